@@ -1,0 +1,1 @@
+//! From radiance to grey values.

@@ -1,0 +1,20 @@
+//! Sums of light: an image with its variance, and the flux ledger.
+
+pub mod ledger;
+
+pub use ledger::Ledger;
+
+/// A linear radiance image in W/(m^2 sr), row 0 at positive y, column 0 at negative x.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Film {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Mean radiance, row-major, W/(m^2 sr).
+    pub mean: Vec<f32>,
+    /// Variance of the mean, row-major, the square of that unit.
+    pub variance: Vec<f32>,
+    /// Independent replicates behind the variance (0: unknown).
+    pub replicates: u32,
+}

@@ -1,0 +1,86 @@
+//! The scene: everything a user says about one sensor, as read from a TOML file.
+//!
+//! Lengths are millimetres unless the key says otherwise. The origin is the centre of the lower face of the
+//! lowest layer (the glass); z points up, from the camera to what is touched; x runs along an image row, y against
+//! the columns. Every key names its unit and unknown keys are refused.
+
+pub mod contact;
+pub mod sensor;
+pub mod view;
+
+pub use contact::*;
+pub use sensor::*;
+pub use view::*;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A whole scene file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Name of the scene; names the default output folder.
+    pub name: String,
+    /// What the scene is and where its numbers come from.
+    #[serde(default)]
+    pub description: String,
+    /// Wavelength of the light, one per scene.
+    pub light: Light,
+    /// The layers, their footprint and their side walls.
+    pub stack: Stack,
+    /// The LEDs at the edge of the stack.
+    pub led: Vec<Led>,
+    /// The camera under the stack.
+    pub camera: Camera,
+    /// What deforms the touched face and what makes optical contact with it. Absent: nothing touches.
+    #[serde(default)]
+    pub touch: Touch,
+    /// How the image is computed by default.
+    #[serde(default)]
+    pub render: Render,
+}
+
+/// How the image is computed unless the command line says otherwise.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Render {
+    /// Light-transport method.
+    pub integrator: Integrator,
+    /// Camera paths per pixel.
+    pub spp: u32,
+    /// Photons sent from the LEDs; used by `splat`, `map` and the ledger. Absent: chosen from `spp`.
+    pub photons: Option<u64>,
+    /// Edge of a texel of the irradiance map, mm.
+    pub map_texel_mm: f64,
+    /// Control points along the longer side of a deformed interface held as a height field.
+    pub height_field_points: u32,
+    /// Seed of all random numbers.
+    pub seed: u32,
+}
+
+impl Default for Render {
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::Auto,
+            spp: 64,
+            photons: None,
+            map_texel_mm: 0.25,
+            height_field_points: 256,
+            seed: 1,
+        }
+    }
+}
+
+/// Light-transport method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Integrator {
+    /// Chosen from the scene; the reason is reported.
+    Auto,
+    /// From the camera through everything until a ray meets an LED. Unbiased; the reference.
+    Path,
+    /// Photons from the LEDs, connected to the pinhole at each diffuse vertex. Flat stacks only.
+    Splat,
+    /// Photons fill an irradiance map on the touched face; camera rays read it.
+    Map,
+}

@@ -1,0 +1,1 @@
+//! Deformed interfaces and contact as the tracer sees them.
