@@ -1,0 +1,70 @@
+// Camera paths: one thread a pixel, `run.samples` paths each; the sum goes to the film.
+// PATH: until the path meets an LED. COMPLEMENT: what `splat` leaves out, paths whose first tissue is not reached straight.
+// MAPPED: at tissue the exitance map is read in place of following the path into it.
+
+override MAPPED: bool = false;
+override COMPLEMENT: bool = false;
+override FILM_SCALE: f32 = 65536.0;
+
+@group(0) @binding(6) var<storage, read_write> film: array<u32>;
+
+fn book(slot: u32, amount: i32) {}
+fn book_segment() { segments += 1u; }
+fn units(w: f32) -> i32 { return 0; }
+var<private> segments: u32;
+
+fn start_camera_path(pixel: u32) {
+    let size = scene.image_size;
+    let at = vec2f(f32(pixel % size.x) + draw(), f32(pixel / size.x) + draw());
+    var d = vec3f((at - 0.5 * vec2f(size)) * scene.pixel_tan * vec2f(1.0, -1.0), 1.0);
+    path.o = vec3f(0.0, 0.0, -scene.camera_distance);
+    if (LENS) {
+        let r = scene.lens_radius * sqrt(draw());
+        let phi = TAU * draw();
+        let lens = vec2f(r * cos(phi), r * sin(phi));
+        d = vec3f(d.xy * scene.focus_distance - lens, scene.focus_distance);
+        path.o = vec3f(lens, path.o.z);
+    }
+    path.p = normalize(d) * scene.surround_n;
+    path.o += path.p * (scene.camera_distance / path.p.z);
+    path.o.z = 0.0;
+    path.layer = 0u;
+    path.weight = 1.0;
+    path.bounces = 0u;
+    path.reflected = false;
+}
+
+fn camera_path(pixel: u32) -> f32 {
+    start_camera_path(pixel);
+    if (any(abs(path.o.xy) >= scene.half_size)) { return 0.0; }
+    if (!meet(0u, vec3f(0.0, 0.0, 1.0), 1.0)) { return 0.0; }
+    path.layer = 1u;
+    var light = 0.0;
+    var end = GOES_ON;
+    loop {
+        end = walk();
+        if (TOUCHED && end == END_TOUCH) {
+            end = camera_touch(&light);
+            if (end == GOES_ON) { continue; }
+        }
+        break;
+    }
+    record_end(end);
+    return light + path.weight * light_at_end(end);
+}
+
+@compute @workgroup_size(64)
+fn camera(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= run.count) { return; }
+    let pixel = run.first + id.x;
+    var sum = Fixed(film[4u * pixel], film[4u * pixel + 1u]);
+    segments = 0u;
+    for (var s = 0u; s < run.samples; s += 1u) {
+        start_random(pixel, run.first_sample + s);
+        record_start(id.x * run.samples + s);
+        sum = add_fixed(sum, to_fixed(camera_path(pixel) * FILM_SCALE));
+    }
+    film[4u * pixel] = sum.low;
+    film[4u * pixel + 1u] = sum.high;
+    film[4u * pixel + 2u] += segments;
+}

@@ -1,0 +1,58 @@
+// Photons from the LEDs: the flux ledger, and by need the irradiance map of the touched face (MAPPED) or the splat of
+// each diffuse vertex into its pixel (SPLATTED). Each thread sends `run.samples` photons.
+
+override MAPPED: bool = false;
+override SPLATTED: bool = false;
+
+@group(0) @binding(12) var<storage, read_write> ledger: array<atomic<u32>>;
+
+const UNIT: f32 = 1048576.0;   // ledger units of one photon
+var<private> tally: array<i32, 10>;
+
+fn units(w: f32) -> i32 { return i32(round(w * UNIT)); }
+fn book(slot: u32, amount: i32) { tally[slot] += amount; }
+fn book_segment() { tally[BOOK_SEGMENTS] += 1; }
+
+// The photon's last booking.
+fn close(end: u32) {
+    let w = units(path.weight);
+    if (end == END_SIDES) { book(BOOK_SIDES, w); }
+    else if (end == END_TOP) { book(BOOK_TOP, w); }
+    else if (end == END_BOTTOM) { book(select(BOOK_BOTTOM, BOOK_DETECTED, enters_lens()), w); }
+    else if (end == END_CAP) { book(BOOK_TERMINATED, w); }
+    else if (end == END_ROULETTE) { book(BOOK_ROULETTE, w); }
+    else if (end == END_LOST) { book(BOOK_LOST, 1); }
+    else { book(BOOK_ABSORBED, w); }
+}
+
+fn enters_lens() -> bool {
+    if (!LENS || path.p.z >= 0.0) { return false; }
+    let at = path.o.xy - path.p.xy * ((path.o.z + scene.camera_distance) / path.p.z);
+    return dot(at, at) <= scene.lens_radius * scene.lens_radius;
+}
+
+@compute @workgroup_size(64)
+fn photons(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= run.count) { return; }
+    for (var b = 0u; b < 10u; b += 1u) { tally[b] = 0; }
+    for (var s = 0u; s < run.samples; s += 1u) {
+        start_random(run.first + id.x, run.first_sample + s);
+        record_start(id.x * run.samples + s);
+        var end = launch();
+        book(BOOK_EMITTED, i32(UNIT));
+        loop {
+            if (end != GOES_ON) { break; }
+            end = walk();
+            if (TOUCHED && end == END_TOUCH) { end = photon_touch(); }
+        }
+        record_end(end);
+        close(end);
+    }
+    for (var b = 0u; b < 10u; b += 1u) {
+        // Signed amounts in two's complement over 64 bits.
+        let low = u32(tally[b]);
+        let old = atomicAdd(&ledger[2u * b], low);
+        let high = select(0u, 0xffffffffu, tally[b] < 0) + select(0u, 1u, old + low < old);
+        atomicAdd(&ledger[2u * b + 1u], high);
+    }
+}

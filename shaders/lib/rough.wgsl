@@ -1,0 +1,86 @@
+// Rough interfaces. Small roughness: a share 1 - exp(-g) of the light leaves the mirror (or refracted) direction for a
+// lobe; g = (2 k n sigma cos)^2 in reflection and (k sigma (n_i cos_i - n_t cos_t))^2 in transmission (Rayleigh, Beckmann
+// and Spizzichino). Microfacets: GGX with visible normals (Walter et al. 2007; Heitz 2018); the energy that single
+// scattering loses to shadowing is booked as absorbed.
+
+const ROUGH_SMALL: u32 = 1u;
+const ROUGH_MICROFACET: u32 = 2u;
+
+// A facet normal, on the upward side of `normal`, seen by the path; sampled by Heitz 2018.
+fn facet(normal: vec3f, side: f32, alpha: f32, layer: u32) -> vec3f {
+    let up = normal * -side;   // towards the incoming ray
+    let axis = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(up.x) > 0.7);
+    let t1 = normalize(cross(axis, up));
+    let t2 = cross(up, t1);
+    let w = -path.p / layers[layer].n;
+    let local = vec3f(dot(w, t1), dot(w, t2), max(dot(w, up), 1e-6));
+    let v = normalize(vec3f(alpha * local.xy, local.z));
+    let flat_sq = dot(v.xy, v.xy);
+    let e1 = select(vec3f(1.0, 0.0, 0.0), vec3f(-v.y, v.x, 0.0) / sqrt(flat_sq), flat_sq > 0.0);
+    let e2 = cross(v, e1);
+    let r = sqrt(draw());
+    let phi = TAU * draw();
+    let x = r * cos(phi);
+    let s = 0.5 * (1.0 + v.z);
+    let y = (1.0 - s) * sqrt(max(1.0 - x * x, 0.0)) + s * r * sin(phi);
+    let n = x * e1 + y * e2 + sqrt(max(1.0 - x * x - y * y, 0.0)) * v;
+    let h = normalize(vec3f(alpha * n.xy, max(n.z, 1e-6)));
+    return (h.x * t1 + h.y * t2 + h.z * up) * -side;
+}
+
+// Smith's Lambda for GGX; cos_sq is the squared cosine to the mean normal.
+fn smith_lambda(cos_sq: f32, alpha: f32) -> f32 {
+    let tan_sq = max(1.0 - cos_sq, 0.0) / max(cos_sq, 1e-12);
+    return 0.5 * (sqrt(1.0 + alpha * alpha * tan_sq) - 1.0);
+}
+
+// Weight G2/G1 of a microfacet event, and the loss where the new direction ends on the wrong side.
+fn shadow(i: u32, normal: vec3f, cos_in: f32, n_out: f32, out_side: f32, correlated: bool) {
+    let before = path.weight;
+    let cos_out = dot(path.p, normal) / n_out;
+    let alpha = faces[i].alpha;
+    let l_in = smith_lambda(cos_in * cos_in, alpha);
+    let l_out = smith_lambda(cos_out * cos_out, alpha);
+    // Reflection: height-correlated Smith; transmission: separable.
+    let g = select(1.0 / (1.0 + l_out), (1.0 + l_in) / (1.0 + l_in + l_out), correlated);
+    path.weight = select(0.0, before * g, cos_out * out_side > 0.0);
+    book(BOOK_ABSORBED, units(before) - units(path.weight));
+}
+
+fn bounce(i: u32, normal: vec3f, m: vec3f, side: f32, a: f32) {
+    if (faces[i].kind == ROUGH_MICROFACET) {
+        let n = layers[path.layer].n;
+        let cos_in = dot(path.p, normal) / n;
+        mirror(m);
+        shadow(i, normal, cos_in, n, -side, true);
+        return;
+    }
+    var f = m;
+    let incoming = path.p;
+    if (faces[i].kind == ROUGH_SMALL && draw() >= exp(-faces[i].rough * a * a)) {
+        f = facet(normal, side, faces[i].alpha, path.layer);
+    }
+    mirror(f);
+    // A lobe direction that would cross the interface falls back to the mirror direction.
+    if (dot(path.p, normal) * side >= 0.0) {
+        path.p = incoming;
+        mirror(normal);
+    }
+}
+
+fn refract_through(i: u32, normal: vec3f, m: vec3f, side: f32, a: f32, b: f32) {
+    let next = u32(i32(path.layer) + i32(side));
+    let cos_in = dot(path.p, normal) / layers[path.layer].n;
+    if (faces[i].kind == ROUGH_SMALL && draw() >= exp(-0.25 * faces[i].rough * (a - b) * (a - b))) {
+        let f = facet(normal, side, faces[i].alpha, path.layer);
+        let along = abs(dot(path.p, f));
+        let b_sq = faces[i].dn_sq * side + along * along;
+        let q = path.p + side * (sqrt(max(b_sq, 0.0)) - along) * f;
+        if (b_sq > 0.0 && dot(q, normal) * side > 0.0) {
+            path.p = q;
+            return;
+        }
+    }
+    path.p += side * (b - a) * m;
+    if (faces[i].kind == ROUGH_MICROFACET) { shadow(i, normal, cos_in, layers[next].n, side, false); }
+}

@@ -1,0 +1,119 @@
+// What the host uploads: one `Scene` and one `Run` uniform, layers, interfaces and LEDs.
+// Lengths are mm. Directions are optical momenta p = n * (unit direction), so that p.xy is invariant across a flat
+// interface and n_t^2 - n_i^2, prepared in f64, decides refraction without cancellation.
+
+struct Scene {
+    half_size: vec2f,        // half the footprint
+    layer_count: u32,
+    led_count: u32,
+    wall_reflectance: f32,
+    surround_n: f32,
+    tissue_n: f32,
+    tissue_albedo: f32,
+    tissue_center: vec2f,
+    tissue_radius_sq: f32,   // tissue exists inside this radius
+    spread_d: f32,           // scale of the Christensen-Burley profile
+    share_size: vec2u,       // columns and rows of the share grid; 0: constant
+    share: f32,
+    reentry_contact: f32,    // diffuse internal reflectance tissue -> guide through true contact
+    map_size: vec2u,
+    reentry_gap: f32,        // the same through the air gap
+    ball_radius: f32,
+    cap_center: vec2f,
+    cap_rim_sq: f32,
+    cap_depth: f32,
+    field_size: vec2u,       // height samples along x and y
+    field_scale: vec2f,      // samples per mm
+    image_size: vec2u,
+    pixel_tan: f32,          // tangent of the view angle per pixel
+    camera_distance: f32,
+    lens_radius: f32,
+    focus_distance: f32,
+    tissue_dn_sq: f32,       // n_tissue^2 - n_top^2
+    gap_dn_sq: f32,          // n_surround^2 - n_top^2
+}
+
+struct Run {
+    seed: u32,
+    first: u32,       // first pixel (camera) or first thread (photons) of this submission
+    count: u32,       // pixels or threads of this submission
+    samples: u32,     // paths per pixel, or photons per thread
+    first_sample: u32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+}
+
+struct Layer { n: f32, n_sq: f32, absorption: f32, side_dn_sq: f32 }
+
+struct Face {
+    z: f32,
+    share: f32,       // of the touched face's displacement; 0: flat
+    dn_sq: f32,       // n^2 above minus n^2 below
+    curvature: f32,   // bound on the second derivative of the height field
+    low: f32,         // lowest and highest displacement
+    high: f32,
+    field: u32,       // first control row of its height field
+    rough: f32,       // small: (4 pi sigma / lambda)^2; microfacet: unused
+    alpha: f32,       // GGX width of the lobe or of the microfacets
+    kind: u32,        // 0 smooth, 1 small, 2 microfacet
+    pad0: u32,
+    pad1: u32,
+}
+
+@group(0) @binding(0) var<uniform> scene: Scene;
+@group(0) @binding(1) var<uniform> run: Run;
+@group(0) @binding(2) var<uniform> layers: array<Layer, 34>;
+@group(0) @binding(3) var<uniform> faces: array<Face, 33>;
+
+override DEFORMED: bool = false;
+override ABSORBING: bool = false;
+override CLEAR_WALLS: bool = false;
+override MIRROR_WALLS: bool = false;
+override ROUGH: bool = false;
+override TOUCHED: bool = false;
+override LENS: bool = false;
+override SPREADING: bool = false;
+override ROULETTE_START: u32 = 256u;
+override EVENT_CAP: u32 = 65536u;
+
+const FAR: f32 = 1e30;
+const TAU: f32 = 6.283185307179586;
+
+// How a walk ends.
+const END_WALL: u32 = 1u;      // at a black wall, or at a mirror where an LED may sit
+const END_SIDES: u32 = 2u;     // left through a clear wall
+const END_TOP: u32 = 3u;
+const END_BOTTOM: u32 = 4u;
+const END_TOUCH: u32 = 5u;     // at the touched face where there is tissue: the walk goes on after it
+const END_ABSORBED: u32 = 6u;
+const END_ROULETTE: u32 = 7u;
+const END_CAP: u32 = 8u;
+const END_LOST: u32 = 9u;
+const GOES_ON: u32 = 0u;
+
+// Slots of the flux ledger.
+const BOOK_EMITTED: u32 = 0u;
+const BOOK_ABSORBED: u32 = 1u;
+const BOOK_TOP: u32 = 2u;
+const BOOK_BOTTOM: u32 = 3u;
+const BOOK_SIDES: u32 = 4u;
+const BOOK_DETECTED: u32 = 5u;
+const BOOK_TERMINATED: u32 = 6u;
+const BOOK_ROULETTE: u32 = 7u;
+const BOOK_LOST: u32 = 8u;
+const BOOK_SEGMENTS: u32 = 9u;
+
+struct Path {
+    o: vec3f,
+    p: vec3f,
+    layer: u32,
+    weight: f32,
+    key: vec2u,
+    draws: u32,
+    bounces: u32,
+    wall: u32,         // 0 +x, 1 -x, 2 +y, 3 -y: where the walk met a wall
+    reflected: bool,   // has been reflected at least once
+    normal: vec3f,     // of the touched face at END_TOUCH
+}
+var<private> path: Path;

@@ -1,0 +1,66 @@
+// Smooth height fields: bicubic B-splines over the footprint, one per deformed interface.
+// Four control points of a row lie in one vec4. Intersection by safe Newton: with |G''| <= K along the ray the step
+// below never passes the first root. Heights are relative to the undeformed plane.
+
+@group(0) @binding(8) var<storage, read> field: array<vec4f>;
+
+fn spline(u: f32) -> vec4f {
+    let v = 1.0 - u;
+    return vec4f(v * v * v, (3.0 * u - 6.0) * u * u + 4.0, (3.0 * v - 6.0) * v * v + 4.0, u * u * u) * (1.0 / 6.0);
+}
+
+fn spline_slope(u: f32) -> vec4f {
+    let v = 1.0 - u;
+    return vec4f(-v * v, (3.0 * u - 4.0) * u, (4.0 - 3.0 * v) * v, u * u) * 0.5;
+}
+
+// Displacement and its gradient.
+fn field_at(i: u32, xy: vec2f) -> vec3f {
+    let last = vec2f(scene.field_size - 2u);
+    let g = (xy + scene.half_size) * scene.field_scale;
+    let cell = clamp(floor(g), vec2f(0.0), last);
+    let u = clamp(g - cell, vec2f(0.0), vec2f(1.0));
+    let width = scene.field_size.x - 1u;
+    let at = faces[i].field + u32(cell.y) * width + u32(cell.x);
+    let wx = spline(u.x);
+    let dx = spline_slope(u.x);
+    let wy = spline(u.y);
+    let dy = spline_slope(u.y);
+    let r0 = field[at];
+    let r1 = field[at + width];
+    let r2 = field[at + 2u * width];
+    let r3 = field[at + 3u * width];
+    let rows = vec4f(dot(r0, wx), dot(r1, wx), dot(r2, wx), dot(r3, wx));
+    let slopes = vec4f(dot(r0, dx), dot(r1, dx), dot(r2, dx), dot(r3, dx));
+    return vec3f(dot(rows, wy), dot(slopes, wy) * scene.field_scale.x, dot(rows, dy) * scene.field_scale.y);
+}
+
+fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
+    let zeta = o.z - faces[i].z;
+    // Enter the slab that holds the surface.
+    let near = select(faces[i].high, faces[i].low, side > 0.0);
+    let outside = (near - zeta) * side > 0.0;
+    var t = select(0.0, (near - zeta) / p.z, outside);
+    if (outside && p.z * side <= 0.0) { return FAR; }
+    let k = max(faces[i].curvature * dot(p.xy, p.xy), 1e-12);
+    for (var n = 0u; n < 256u; n += 1u) {
+        if (t >= t_max) { return FAR; }
+        let h = field_at(i, o.xy + t * p.xy);
+        let g = max(side * (h.x - (zeta + t * p.z)), 0.0);
+        let slope = side * (h.y * p.x + h.z * p.y - p.z);
+        let root = sqrt(slope * slope + 2.0 * k * g);
+        let step = select((root + slope) / k, 2.0 * g / (root - slope), slope < 0.0);
+        if (slope < 0.0 && step < 1e-6) { return t; }
+        t += max(step, 1e-7);
+        let z = zeta + t * p.z;
+        if ((near - z) * side > 0.0 && p.z * side <= 0.0) { return FAR; }
+    }
+    record_lost();
+    return FAR;
+}
+
+fn surface_normal(i: u32, o: vec3f) -> vec3f {
+    return normalize(vec3f(-field_at(i, o.xy).yz, 1.0));
+}
+
+fn surface_height(i: u32, xy: vec2f) -> f32 { return faces[i].z + field_at(i, xy).x; }

@@ -1,0 +1,102 @@
+// Optical contact with tissue. A share of the touched face is in true contact: Fresnel between guide and tissue. The
+// rest is an air gap, thin against the beam and thick against the coherence length: an incoherent slab between guide
+// and tissue. Tissue returns a share `tissue_albedo` of what enters as a Lambertian source just above the interface,
+// displaced sideways where SPREADING; what the boundary reflects back into the tissue is scattered again.
+// The walk is the same in both directions, for photons and for camera paths.
+
+@group(0) @binding(10) var<storage, read> share_grid: array<f32>;
+
+override SHARE_GRID: bool = false;
+
+fn tissue_here(xy: vec2f) -> bool {
+    let d = xy - scene.tissue_center;
+    return dot(d, d) <= scene.tissue_radius_sq;
+}
+
+// Share of true contact.
+fn contact_share(xy: vec2f) -> f32 {
+    if (!SHARE_GRID) { return scene.share; }
+    let size = scene.share_size;
+    let g = (xy / (2.0 * scene.half_size) + 0.5) * vec2f(size) - 0.5;
+    let c = clamp(floor(g), vec2f(0.0), vec2f(size) - 2.0);
+    let u = clamp(g - c, vec2f(0.0), vec2f(1.0));
+    let at = u32(c.y) * size.x + u32(c.x);
+    let low = mix(share_grid[at], share_grid[at + 1u], u.x);
+    let high = mix(share_grid[at + size.x], share_grid[at + size.x + 1u], u.x);
+    return mix(low, high, u.y);
+}
+
+// Reflectance of true contact (x) and of the gap (y), from the guide; a = n_top cos.
+fn touch_reflectance(a: f32) -> vec2f {
+    let n_sq = layers[scene.layer_count].n_sq;
+    let contact = reflectance(a, scene.tissue_dn_sq, n_sq);
+    let g_sq = scene.gap_dn_sq + a * a;
+    let b_sq = scene.tissue_dn_sq + a * a;
+    if (g_sq <= 0.0 || b_sq <= 0.0) { return vec2f(contact, 1.0); }
+    let g = sqrt(g_sq);
+    let gap_n_sq = n_sq + scene.gap_dn_sq;
+    let f1 = fresnel(a, g, n_sq, gap_n_sq);
+    let f2 = fresnel(g, sqrt(b_sq), gap_n_sq, n_sq + scene.tissue_dn_sq);
+    return vec2f(contact, f1 + (1.0 - f1) * (1.0 - f1) * f2 / (1.0 - f1 * f2));
+}
+
+// Reflectance of the whole boundary at a point: x from true contact and gap in their shares, y and z the two parts.
+fn boundary(xy: vec2f, a: f32) -> vec3f {
+    let r = touch_reflectance(a);
+    return vec3f(mix(r.y, r.x, contact_share(xy)), r);
+}
+
+// Lateral step of the Christensen-Burley profile: r has density (exp(-r/d) + exp(-r/3d)) / 4d.
+fn displace(xy: vec2f) -> vec2f {
+    let which = draw();
+    let r = -log(1.0 - draw()) * select(3.0, 1.0, which < 0.25) * scene.spread_d;
+    let phi = TAU * draw();
+    return xy + r * vec2f(cos(phi), sin(phi));
+}
+
+fn inside(xy: vec2f) -> bool { return all(abs(xy) < scene.half_size) && tissue_here(xy); }
+
+// From entering the tissue to leaving it into the guide (GOES_ON), or to the path's end.
+fn tissue_walk() -> u32 {
+    let top = scene.layer_count;
+    let n_t = scene.tissue_n;
+    for (var k = 0u; k < 4096u; k += 1u) {
+        let lives = draw();
+        record(512u + select(0u, 1u, lives < scene.tissue_albedo), abs(lives - scene.tissue_albedo));
+        if (lives >= scene.tissue_albedo) { return END_ABSORBED; }
+        if (SPREADING) {
+            let xy = displace(path.o.xy);
+            if (!inside(xy)) { return END_TOP; }
+            path.o = vec3f(xy, surface_height(top, xy));
+            path.normal = vec3f(0.0, 0.0, 1.0);
+            if (DEFORMED && faces[top].share != 0.0) { path.normal = surface_normal(top, path.o); }
+        }
+        let sin_sq = draw();
+        let phi = TAU * draw();
+        let b = n_t * sqrt(1.0 - sin_sq);                 // n_t cos in the tissue
+        let a_sq = b * b - scene.tissue_dn_sq;            // (n_top cos)^2 in the guide
+        let a = sqrt(max(a_sq, 0.0));
+        let r = select(boundary(path.o.xy, a).x, 1.0, a_sq <= 0.0);
+        let u = draw();
+        record(514u + select(0u, 1u, u < r), abs(u - r));
+        if (u < r) {
+            tissue_reentry();
+            continue;
+        }
+        let s = n_t * sqrt(sin_sq);
+        let n = path.normal;
+        let axis = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(n.x) > 0.7);
+        let t1 = normalize(cross(axis, n));
+        path.p = s * (cos(phi) * t1 + sin(phi) * cross(n, t1)) - a * n;
+        path.layer = top;
+        path.reflected = true;
+        return GOES_ON;
+    }
+    return END_CAP;
+}
+
+// Mirror reflection at the touched face.
+fn touch_reflect() {
+    path.p -= 2.0 * dot(path.p, path.normal) * path.normal;
+    path.reflected = true;
+}

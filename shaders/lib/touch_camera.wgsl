@@ -1,0 +1,43 @@
+// A camera path at the touched face.
+
+@group(0) @binding(7) var<storage, read> exitance: array<vec4f>;   // deposit, area; the same for the gap
+
+fn tissue_reentry() {}
+
+// Exitance of the tissue at a point, as radiance times pi in the tissue's medium.
+fn exitance_at(xy: vec2f) -> f32 {
+    let size = vec2i(scene.map_size);
+    let g = (xy / (2.0 * scene.half_size) + 0.5) * vec2f(size) - 0.5;
+    let c = floor(g);
+    let u = g - c;
+    var sum = vec4f(0.0);
+    for (var j = 0; j < 2; j += 1) {
+        for (var i = 0; i < 2; i += 1) {
+            let at = clamp(vec2i(c) + vec2i(i, j), vec2i(0), size - 1);
+            sum += exitance[u32(at.y * size.x + at.x)] * select(1.0 - u.x, u.x, i == 1) * select(1.0 - u.y, u.y, j == 1);
+        }
+    }
+    let contact = select(sum.x / sum.y, 0.0, sum.y <= 0.0);
+    if (SPREADING) { return contact; }
+    let gap = select(sum.z / sum.w, 0.0, sum.w <= 0.0);
+    let share = contact_share(xy);
+    let reentry = mix(scene.reentry_gap, scene.reentry_contact, share);
+    return scene.tissue_albedo * mix(gap, contact, share) / (1.0 - scene.tissue_albedo * reentry);
+}
+
+// At the touched face: adds light, and says how the path goes on.
+fn camera_touch(light: ptr<function, f32>) -> u32 {
+    let a = abs(dot(path.p, path.normal));
+    let r = boundary(path.o.xy, a).x;
+    if (MAPPED) {
+        *light += path.weight * (1.0 - r) * exitance_at(path.o.xy) / (3.141592653589793 * scene.tissue_n * scene.tissue_n);
+    }
+    let u = draw();
+    record(520u + select(0u, 1u, u < r), abs(u - r));
+    if (u < r) {
+        touch_reflect();
+        return GOES_ON;
+    }
+    if (MAPPED || (COMPLEMENT && !path.reflected)) { return END_ABSORBED; }
+    return tissue_walk();
+}

@@ -1,0 +1,97 @@
+// A photon at the touched face: irradiance map or splat.
+
+@group(0) @binding(6) var<storage, read_write> deposits: array<atomic<u32>>;
+
+fn deposit(at: u32, v: f32) {
+    let f = to_fixed(v);
+    let old = atomicAdd(&deposits[2u * at], f.low);
+    let carry = select(0u, 1u, old + f.low < old);
+    if (f.high + carry != 0u) { atomicAdd(&deposits[2u * at + 1u], f.high + carry); }
+}
+
+fn texel(xy: vec2f) -> u32 {
+    let g = (xy / (2.0 * scene.half_size) + 0.5) * vec2f(scene.map_size);
+    let c = vec2u(clamp(g, vec2f(0.0), vec2f(scene.map_size) - 1.0));
+    return c.y * scene.map_size.x + c.x;
+}
+
+// Light of flux `w` that leaves the tissue at (x, y) as a Lambertian source, connected to the pinhole through the flat
+// stack: with s = n sin constant, sum d_i s / sqrt(n_i^2 - s^2) = r is solved for s by bracketed Newton.
+fn splat(xy: vec2f, w: f32) {
+    let r = length(xy);
+    let n_0 = scene.surround_n;
+    var low = 0.0;
+    var high = n_0;
+    var s = r / (scene.camera_distance / n_0 + faces[scene.layer_count].z / layers[1].n);
+    if (s >= high) { s = 0.5 * high; }
+    var slope = 0.0;
+    for (var it = 0u; it < 24u; it += 1u) {
+        let c_0 = sqrt(n_0 * n_0 - s * s);
+        var reach = scene.camera_distance * s / c_0;
+        slope = scene.camera_distance * n_0 * n_0 / (c_0 * c_0 * c_0);
+        for (var k = 1u; k <= scene.layer_count; k += 1u) {
+            let c = sqrt(layers[k].n_sq - s * s);
+            let d = faces[k].z - faces[k - 1u].z;
+            reach += d * s / c;
+            slope += d * layers[k].n_sq / (c * c * c);
+        }
+        if (reach > r) { high = s; } else { low = s; }
+        let next = s + (r - reach) / slope;
+        let step = select(0.5 * (low + high), next, next >= low && next < high);
+        if (abs(step - s) < 1e-7) { break; }
+        s = step;
+    }
+    let a = sqrt(max(layers[scene.layer_count].n_sq - s * s, 0.0));
+    var through = 1.0 - boundary(xy, a).x;
+    var c = a;
+    for (var k = scene.layer_count; k > 0u; k -= 1u) {
+        if (ABSORBING) { through *= exp(-layers[k].absorption * (faces[k].z - faces[k - 1u].z) * layers[k].n / c); }
+        let below = sqrt(max(c * c - faces[k - 1u].dn_sq, 0.0));
+        through *= 1.0 - fresnel(c, below, layers[k].n_sq, layers[k].n_sq - faces[k - 1u].dn_sq);
+        c = below;
+    }
+    let cos_c = c / n_0;
+    let s_over_r = select(s / r, 1.0 / slope, r < 1e-4);
+    let tan_c = s / c;
+    let direction = select(xy / r, vec2f(0.0), r == 0.0);
+    let at = 0.5 * vec2f(scene.image_size) + vec2f(1.0, -1.0) * direction * tan_c / scene.pixel_tan;
+    if (any(at < vec2f(0.0)) || any(at >= vec2f(scene.image_size))) { return; }
+    // Solid angle of the pixel: tan^2 cos^3.
+    let solid = scene.pixel_tan * scene.pixel_tan * cos_c * cos_c * cos_c;
+    let light = w * through * s_over_r / (3.141592653589793 * scene.tissue_n * scene.tissue_n * cos_c * slope * solid);
+    deposit(u32(at.y) * scene.image_size.x + u32(at.x), light);
+}
+
+// Deposits flux `w` (already times the albedo) that is about to leave the tissue near (x, y).
+fn leave_tissue(from_xy: vec2f, w: f32) {
+    var xy = from_xy;
+    if (SPREADING) {
+        xy = displace(xy);
+        if (!inside(xy)) { return; }
+    }
+    if (SPLATTED) { splat(xy, w); } else { deposit(2u * texel(xy), w); }
+}
+
+// What the boundary sends back into the tissue leaves it later; without spreading the map does this sum in closed form.
+fn tissue_reentry() {
+    if (SPLATTED || (MAPPED && SPREADING)) { leave_tissue(path.o.xy, path.weight * scene.tissue_albedo); }
+}
+
+fn photon_touch() -> u32 {
+    let a = abs(dot(path.p, path.normal));
+    let r = boundary(path.o.xy, a);
+    if (SPLATTED || (MAPPED && SPREADING)) {
+        if (r.x < 1.0) { leave_tissue(path.o.xy, path.weight * (1.0 - r.x) * scene.tissue_albedo); }
+    } else if (MAPPED) {
+        let at = 2u * texel(path.o.xy);
+        if (r.y < 1.0) { deposit(at, path.weight * (1.0 - r.y)); }
+        if (r.z < 1.0) { deposit(at + 1u, path.weight * (1.0 - r.z)); }
+    }
+    let u = draw();
+    record(520u + select(0u, 1u, u < r.x), abs(u - r.x));
+    if (u < r.x) {
+        touch_reflect();
+        return GOES_ON;
+    }
+    return tissue_walk();
+}

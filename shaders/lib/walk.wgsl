@@ -1,0 +1,159 @@
+// The walk: from event to event through the stack until the path meets a wall, leaves, or touches tissue.
+// The layer is carried; a hit counts only when the ray crosses outward for its layer, so there is no epsilon.
+
+fn safe_divide(a: f32, b: f32) -> f32 { return select(a / b, FAR, b == 0.0); }
+
+// First crossing of interface i from below (side 1) or above (side -1).
+fn cross_face(i: u32, side: f32, t_max: f32) -> f32 {
+    if (faces[i].share != 0.0) { return surface_cross(i, path.o, path.p, side, t_max); }
+    let t = select(FAR, (faces[i].z - path.o.z) / path.p.z, path.p.z * side > 0.0);
+    return max(t, 0.0);
+}
+
+// Reflection or refraction at interface i with unit normal `normal` (upward), met from below (side 1) or above (-1).
+// Returns true when the path was transmitted. Radiance over n^2 is invariant, so no weight changes here.
+fn meet(i: u32, normal: vec3f, side: f32) -> bool {
+    let n_sq = layers[path.layer].n_sq;
+    let dn_sq = faces[i].dn_sq * side;
+    var m = normal;
+    if (ROUGH && faces[i].kind == ROUGH_MICROFACET) { m = facet(normal, side, faces[i].alpha, path.layer); }
+    let along = dot(path.p, m);
+    let a = abs(along);
+    let b_sq = dn_sq + a * a;
+    if (b_sq <= 0.0) {
+        record(i * 4u + 0u, -b_sq);
+        path.reflected = true;
+        bounce(i, normal, m, side, a);
+        return false;
+    }
+    let b = sqrt(b_sq);
+    let r = fresnel(a, b, n_sq, n_sq + dn_sq);
+    let u = draw();
+    if (u < r) {
+        record(i * 4u + 1u, r - u);
+        path.reflected = true;
+        bounce(i, normal, m, side, a);
+        return false;
+    }
+    record(i * 4u + 2u, u - r);
+    refract_through(i, normal, m, side, a, b);
+    return true;
+}
+
+fn mirror(m: vec3f) { path.p -= 2.0 * dot(path.p, m) * m; }
+
+// Ends the path where it met something that takes a share of it; returns GOES_ON otherwise.
+fn roulette() -> u32 {
+    path.bounces += 1u;
+    if (path.bounces >= EVENT_CAP) { return END_CAP; }
+    if (path.weight < 0.1 || path.bounces > ROULETTE_START) {
+        let keep = select(0.95, 0.5, path.weight < 0.1);
+        if (draw() >= keep) { return END_ROULETTE; }
+        let before = path.weight;
+        path.weight = before / keep;
+        book(BOOK_ROULETTE, units(before) - units(path.weight));
+    }
+    return GOES_ON;
+}
+
+fn absorb(length: f32) {
+    let before = path.weight;
+    path.weight = before * exp(-layers[path.layer].absorption * length);
+    book(BOOK_ABSORBED, units(before) - units(path.weight));
+}
+
+// At the wall `path.wall`: reflected (GOES_ON) or ended.
+fn meet_wall() -> u32 {
+    if (CLEAR_WALLS) {
+        let along_x = path.wall < 2u;
+        let q = select(path.p.y, path.p.x, along_x);
+        let a = abs(q);
+        let b_sq = layers[path.layer].side_dn_sq + a * a;
+        var r = 1.0;
+        var u = 0.0;
+        if (b_sq > 0.0) {
+            let n_sq = layers[path.layer].n_sq;
+            r = fresnel(a, sqrt(b_sq), n_sq, n_sq + layers[path.layer].side_dn_sq);
+            u = draw();
+        }
+        record(256u + path.wall * 2u + select(1u, 0u, u < r), select(abs(u - r), abs(b_sq), b_sq <= 0.0));
+        let out = select(-q, sign(q) * sqrt(max(b_sq, 0.0)), u >= r);
+        if (along_x) { path.p.x = out; } else { path.p.y = out; }
+        if (u >= r) { return END_SIDES; }
+        path.reflected = true;
+        return GOES_ON;
+    }
+    if (MIRROR_WALLS) {
+        if (wall_led() < scene.led_count) { return END_WALL; }
+        if (draw() >= scene.wall_reflectance) { return END_ABSORBED; }
+        record(256u + path.wall * 2u, 1.0);
+        if (path.wall < 2u) { path.p.x = -path.p.x; } else { path.p.y = -path.p.y; }
+        path.reflected = true;
+        return GOES_ON;
+    }
+    record(256u + path.wall * 2u, 1.0);
+    return END_WALL;
+}
+
+fn walk() -> u32 {
+    let top = scene.layer_count;
+    loop {
+        let ended = roulette();
+        if (ended != GOES_ON) { return ended; }
+        book_segment();
+        let o = path.o;
+        let p = path.p;
+        let rim = select(-scene.half_size, scene.half_size, p.xy > vec2f(0.0));
+        let tx = safe_divide(rim.x - o.x, p.x);
+        let ty = safe_divide(rim.y - o.y, p.y);
+        let t_wall = max(min(tx, ty), 0.0);
+        var t_face: f32;
+        var i: u32;
+        var side: f32;
+        if (DEFORMED) {
+            let t_up = select(FAR, cross_face(min(path.layer, top), 1.0, t_wall), path.layer <= top);
+            let t_down = cross_face(path.layer - 1u, -1.0, min(t_wall, t_up));
+            let up = t_up < t_down;
+            t_face = min(t_up, t_down);
+            i = select(path.layer - 1u, path.layer, up);
+            side = select(-1.0, 1.0, up);
+            if (lost_here()) { return END_LOST; }
+        } else {
+            let up = p.z > 0.0;
+            i = select(path.layer - 1u, path.layer, up);
+            side = select(-1.0, 1.0, up);
+            t_face = max(safe_divide(faces[i].z - o.z, p.z), 0.0);
+        }
+        let t = min(t_face, t_wall);
+        path.o = o + t * p;
+        if (ABSORBING) { absorb(t * layers[path.layer].n); }
+        if (t_wall < t_face) {
+            let at_x = tx < ty;
+            if (at_x) { path.o.x = rim.x; } else { path.o.y = rim.y; }
+            path.wall = select(select(3u, 2u, p.y > 0.0), select(1u, 0u, p.x > 0.0), at_x);
+            if (DEFORMED && path.layer > top) { return select(END_SIDES, END_TOP, p.z > 0.0); }
+            let at_wall = meet_wall();
+            if (at_wall != GOES_ON) { return at_wall; }
+            continue;
+        }
+        if (t >= FAR) { return select(END_LOST, END_TOP, DEFORMED && path.layer > top); }
+        var normal = vec3f(0.0, 0.0, 1.0);
+        if (DEFORMED && faces[i].share != 0.0) {
+            normal = surface_normal(i, path.o);
+        } else {
+            path.o.z = faces[i].z;
+        }
+        if (TOUCHED && i == top && side > 0.0 && tissue_here(path.o.xy)) {
+            path.normal = normal;
+            return END_TOUCH;
+        }
+        if (meet(i, normal, side)) {
+            path.layer = u32(i32(path.layer) + i32(side));
+            if (path.layer == 0u) { return END_BOTTOM; }
+            if (!DEFORMED && path.layer > top) { return END_TOP; }
+        } else if (ROUGH && path.weight == 0.0) {
+            return END_ABSORBED;
+        }
+    }
+    return END_LOST;
+}

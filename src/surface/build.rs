@@ -1,0 +1,144 @@
+//! From a scene's touch to the shape of every interface.
+
+use super::{Cap, HeightField, Mesh, Surface};
+use crate::image_io::grid;
+use crate::scene::{Inner, LoadedScene, Normals, Shape, mesh_file, table};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a scene's shape cannot be built.
+#[derive(Debug, Error)]
+pub enum SurfaceError {
+    /// A file that the scene names cannot be used.
+    #[error("{key}: {file}: {message}")]
+    File {
+        /// Key of the scene that names the file.
+        key: &'static str,
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
+    /// The shape does not fit the stack.
+    #[error("{key}: {message}")]
+    Shape {
+        /// Key of the scene.
+        key: &'static str,
+        /// What is wrong, with the numbers.
+        message: String,
+    },
+}
+
+/// Shape of all interfaces of a validated scene.
+pub fn surface(loaded: &LoadedScene) -> Result<Surface, SurfaceError> {
+    let scene = &loaded.scene;
+    let share = shares(loaded);
+    let footprint = scene.stack.footprint_mm;
+    let points = scene.render.height_field_points as usize;
+    let short = || SurfaceError::Shape {
+        key: "touch.shape",
+        message: "a height field needs at least 3 x 3 samples".into(),
+    };
+    match &scene.touch.shape {
+        Shape::Flat => Ok(Surface::Flat),
+        &Shape::SphericalDent { depth_mm, radius_mm, center_mm } => Ok(Surface::Cap {
+            cap: Cap { center_mm, depth_mm, rim_mm: radius_mm },
+            share,
+        }),
+        &Shape::GaussianDent { depth_mm, sigma_mm, center_mm } => {
+            let height = |x: f64, y: f64| {
+                let r_sq = (x - center_mm[0]).powi(2) + (y - center_mm[1]).powi(2);
+                -depth_mm * (-0.5 * r_sq / (sigma_mm * sigma_mm)).exp()
+            };
+            let field = HeightField::sample(points, footprint, height).ok_or_else(short)?;
+            fields(loaded, &field, &share)
+        }
+        Shape::HeightMap { file, scale_mm } => {
+            let grid = read_grid(loaded, file, "touch.shape.file")?;
+            let samples: Vec<f64> = grid.values.iter().map(|v| v * scale_mm).collect();
+            let field = HeightField::interpolate(grid.columns, grid.rows, footprint, &samples).ok_or_else(short)?;
+            fields(loaded, &field, &share)
+        }
+        Shape::Mesh { file, normals } => mesh(loaded, file, *normals),
+    }
+}
+
+/// Share of the touched face's displacement that each interface carries: its height above the rigid lowest layer.
+fn shares(loaded: &LoadedScene) -> Vec<f64> {
+    let scene = &loaded.scene;
+    let heights = scene.stack.interface_heights_mm();
+    let (rigid, top) = match heights.len() {
+        0..=2 => (0.0, heights.last().copied().unwrap_or(0.0)),
+        n => (heights[1], heights[n - 1]),
+    };
+    let last = heights.len().saturating_sub(1);
+    let share = |(i, z): (usize, &f64)| match scene.touch.inner {
+        _ if i == last => 1.0,
+        Inner::Flat => 0.0,
+        Inner::Follow => ((z - rigid) / (top - rigid)).max(0.0),
+    };
+    heights.iter().enumerate().map(share).collect()
+}
+
+fn fields(loaded: &LoadedScene, field: &HeightField, share: &[f64]) -> Result<Surface, SurfaceError> {
+    let heights = loaded.scene.stack.interface_heights_mm();
+    let interfaces: Vec<Option<HeightField>> = share
+        .iter()
+        .map(|&s| (s != 0.0).then(|| field.scaled(s)))
+        .collect();
+    let range = |i: usize| interfaces[i].as_ref().map_or([0.0, 0.0], HeightField::range_mm);
+    for i in 1..heights.len() {
+        // The difference of two splines of one shape stays within its control points, so this test is exact for it.
+        let thinnest = heights[i] - heights[i - 1] + (share[i] - share[i - 1]) * field.range_mm()[0];
+        if thinnest <= 0.0 {
+            return Err(SurfaceError::Shape {
+                key: "touch.shape",
+                message: format!(
+                    "the interface at {} mm is pushed down by up to {:.4} mm, through the one at {} mm; press less deep, or let inner = \"follow\"",
+                    heights[i], -range(i)[0], heights[i - 1]
+                ),
+            });
+        }
+    }
+    Ok(Surface::Fields(interfaces))
+}
+
+fn mesh(loaded: &LoadedScene, file: &Path, normals: Normals) -> Result<Surface, SurfaceError> {
+    let key = "touch.shape.file";
+    let path = loaded.folder.join(file);
+    let wrong = |message: String| SurfaceError::File { key, file: path.clone(), message };
+    let read = mesh_file::read_mesh(&path).map_err(|e| wrong(e.to_string()))?;
+    let mesh = Mesh::build(&read.vertices, &read.triangles, normals == Normals::Smooth)
+        .ok_or_else(|| wrong("no usable triangle".into()))?;
+    let scene = &loaded.scene;
+    let heights = scene.stack.interface_heights_mm();
+    let below = heights.len().checked_sub(2).and_then(|k| heights.get(k)).copied().unwrap_or(0.0);
+    if mesh.low_mm <= below {
+        return Err(wrong(format!("reaches down to {} mm, through the interface at {below} mm", mesh.low_mm)));
+    }
+    let [half_x, half_y] = scene.stack.footprint_mm.map(|f| 0.5 * f);
+    let reach = |axis: usize, sign: f64| mesh.corners.iter().flatten().map(|p| p[axis] * sign).fold(f64::MIN, f64::max);
+    let covers = |axis, half: f64| reach(axis, 1.0).min(reach(axis, -1.0)) >= half * (1.0 - 1e-9);
+    if !(covers(0, half_x) && covers(1, half_y)) {
+        return Err(wrong(format!("must span the footprint, {} x {} mm about the origin", 2.0 * half_x, 2.0 * half_y)));
+    }
+    Ok(Surface::Mesh(mesh))
+}
+
+/// A grid file of the scene with row 0 at negative y (files have it at positive y).
+pub(super) fn read_grid(loaded: &LoadedScene, file: &Path, key: &'static str) -> Result<grid::Grid, SurfaceError> {
+    let path = loaded.folder.join(file);
+    let mut grid = grid::read_grid(&path).map_err(|e| SurfaceError::File { key, file: path, message: e.to_string() })?;
+    let columns = grid.columns.max(1);
+    grid.values = grid.values.chunks(columns).rev().flatten().copied().collect();
+    Ok(grid)
+}
+
+pub(super) fn read_table(loaded: &LoadedScene, file: &Path) -> Result<Vec<[f64; 2]>, SurfaceError> {
+    let path = loaded.folder.join(file);
+    table::read_table(&path).map_err(|e| SurfaceError::File {
+        key: "touch.contact.pressure.file",
+        file: path,
+        message: e.to_string(),
+    })
+}

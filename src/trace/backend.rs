@@ -1,0 +1,278 @@
+//! The two backends behind one face: chunks of camera paths and of photons.
+
+use super::cpu::{self, book, camera::View, photons::Deposits};
+use super::gpu::GpuTracer;
+use super::model::{Model, Real};
+use std::sync::atomic::{AtomicU64, Ordering};
+use thiserror::Error;
+
+/// Why a render failed.
+#[derive(Debug, Error)]
+pub enum TraceError {
+    /// A GPU was asked for and none is there.
+    #[error("no Vulkan, Metal or DX12 adapter found; use --backend cpu, or install a driver (lavapipe: mesa-vulkan-drivers)")]
+    NoAdapter,
+    /// The device went away.
+    #[error("the GPU device was lost ({0}); nothing was written")]
+    DeviceLost(String),
+    /// A buffer exceeds what the device offers.
+    #[error("{what} needs {needed} bytes, the device allows {allowed}; use fewer pixels or texels, or --backend cpu")]
+    Memory {
+        /// What needs it.
+        what: &'static str,
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes allowed.
+        allowed: u64,
+    },
+    /// The driver refused something.
+    #[error("the GPU driver refused a command: {0}")]
+    Driver(String),
+    /// Paths got lost: an error of geometry or of the program.
+    #[error("{lost} of {sent} photons were lost in the geometry; the image cannot be trusted")]
+    Lost {
+        /// Lost photons.
+        lost: u64,
+        /// All photons.
+        sent: u64,
+    },
+    /// The user stopped it.
+    #[error("stopped; nothing was written")]
+    Stopped,
+    /// The method does not fit the scene.
+    #[error("{0}")]
+    Unsuited(String),
+}
+
+/// Which backend is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BackendChoice {
+    /// A GPU if there is one, else the CPU twin.
+    #[default]
+    Auto,
+    /// A GPU (lavapipe counts).
+    Gpu,
+    /// The CPU twin.
+    Cpu,
+}
+
+/// Precision of the CPU twin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Precision {
+    /// As on the GPU.
+    #[default]
+    F32,
+    /// For reference.
+    F64,
+}
+
+/// What a camera path does at tissue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CameraMode {
+    /// Follows the path until it meets an LED.
+    Path,
+    /// Reads the exitance map.
+    Mapped,
+    /// Leaves out paths whose first tissue is reached straight, which `splat` finds.
+    Complement,
+}
+
+/// What photons leave behind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PhotonMode {
+    /// Only the ledger.
+    Ledger,
+    /// The irradiance map.
+    Map,
+    /// The splat film.
+    Splat,
+}
+
+/// A backend with a scene loaded.
+pub enum Backend {
+    /// wgpu.
+    Gpu(Box<GpuTracer>),
+    /// The twin in f32.
+    Cpu32(Box<CpuTracer<f32>>),
+    /// The twin in f64.
+    Cpu64(Box<CpuTracer<f64>>),
+}
+
+impl Backend {
+    /// Chooses a backend and loads the model. Says in the second value why the CPU was taken, where it was not asked for.
+    pub fn open(choice: BackendChoice, precision: Precision, model: &Model<f64>) -> Result<(Self, Option<String>), TraceError> {
+        let cpu = || match precision {
+            Precision::F32 => Self::Cpu32(Box::new(CpuTracer::new(model.cast()))),
+            Precision::F64 => Self::Cpu64(Box::new(CpuTracer::new(model.cast()))),
+        };
+        match choice {
+            BackendChoice::Cpu => Ok((cpu(), None)),
+            BackendChoice::Auto if precision == Precision::F64 => Ok((cpu(), None)),
+            BackendChoice::Gpu => Ok((Self::Gpu(Box::new(GpuTracer::new(model)?)), None)),
+            BackendChoice::Auto => match GpuTracer::new(model) {
+                Ok(gpu) => Ok((Self::Gpu(Box::new(gpu)), None)),
+                Err(TraceError::NoAdapter) => {
+                    Ok((cpu(), Some("no GPU adapter found: the built-in CPU tracer runs instead".into())))
+                }
+                Err(e) => Err(e),
+            },
+        }
+    }
+
+    /// Short name of the backend.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Gpu(_) => "gpu",
+            Self::Cpu32(_) => "cpu f32",
+            Self::Cpu64(_) => "cpu f64",
+        }
+    }
+
+    /// Name of the adapter.
+    pub fn adapter(&self) -> String {
+        match self {
+            Self::Gpu(gpu) => gpu.adapter(),
+            _ => format!("built-in CPU tracer, {} threads", rayon::current_num_threads()),
+        }
+    }
+
+    /// Empties the film of camera paths.
+    pub fn clear_film(&mut self) -> Result<(), TraceError> {
+        match self {
+            Self::Gpu(gpu) => gpu.clear_film(),
+            Self::Cpu32(cpu) => cpu.clear_film(),
+            Self::Cpu64(cpu) => cpu.clear_film(),
+        }
+        Ok(())
+    }
+
+    /// Traces `samples` paths, from `first_sample` on, for `pixels` pixels from `first_pixel` on.
+    pub fn camera(&mut self, mode: CameraMode, seed: u32, pixels: [u32; 2], samples: [u32; 2]) -> Result<(), TraceError> {
+        match self {
+            Self::Gpu(gpu) => gpu.camera(mode, seed, pixels, samples)?,
+            Self::Cpu32(cpu) => cpu.camera(mode, seed, pixels, samples),
+            Self::Cpu64(cpu) => cpu.camera(mode, seed, pixels, samples),
+        }
+        Ok(())
+    }
+
+    /// Sums of the film in units of 2^-48, and the segments traced since it was emptied.
+    pub fn read_film(&mut self) -> Result<(Vec<u64>, u64), TraceError> {
+        Ok(match self {
+            Self::Gpu(gpu) => gpu.read_film()?,
+            Self::Cpu32(cpu) => (cpu.film.clone(), cpu.segments),
+            Self::Cpu64(cpu) => (cpu.film.clone(), cpu.segments),
+        })
+    }
+
+    /// Loads the exitance map that mapped camera paths read: deposit and area for true contact and for the gap.
+    pub fn set_exitance(&mut self, texels: &[[f64; 4]]) -> Result<(), TraceError> {
+        match self {
+            Self::Gpu(gpu) => gpu.set_exitance(texels)?,
+            Self::Cpu32(cpu) => cpu.set_exitance(texels),
+            Self::Cpu64(cpu) => cpu.set_exitance(texels),
+        }
+        Ok(())
+    }
+
+    /// Empties deposits and ledger.
+    pub fn clear_photons(&mut self, mode: PhotonMode) -> Result<(), TraceError> {
+        match self {
+            Self::Gpu(gpu) => gpu.clear_photons(mode)?,
+            Self::Cpu32(cpu) => cpu.clear_photons(mode),
+            Self::Cpu64(cpu) => cpu.clear_photons(mode),
+        }
+        Ok(())
+    }
+
+    /// Sends `samples` photons, from `first_sample` on, from each of `threads` threads.
+    pub fn photons(&mut self, mode: PhotonMode, seed: u32, threads: u32, samples: [u32; 2]) -> Result<(), TraceError> {
+        match self {
+            Self::Gpu(gpu) => gpu.photons(mode, seed, threads, samples)?,
+            Self::Cpu32(cpu) => cpu.photons(mode, seed, threads, samples),
+            Self::Cpu64(cpu) => cpu.photons(mode, seed, threads, samples),
+        }
+        Ok(())
+    }
+
+    /// Ledger in its units, and deposits in units of 2^-32.
+    pub fn read_photons(&mut self, mode: PhotonMode) -> Result<([i64; book::SLOTS], Vec<u64>), TraceError> {
+        Ok(match self {
+            Self::Gpu(gpu) => gpu.read_photons(mode)?,
+            Self::Cpu32(cpu) => cpu.read_photons(),
+            Self::Cpu64(cpu) => cpu.read_photons(),
+        })
+    }
+}
+
+/// The twin with a scene loaded.
+pub struct CpuTracer<T> {
+    model: Model<T>,
+    film: Vec<u64>,
+    segments: u64,
+    exitance: Vec<[T; 4]>,
+    deposits: Vec<AtomicU64>,
+    tally: [i64; book::SLOTS],
+}
+
+impl<T: Real> CpuTracer<T> {
+    /// Loads a model.
+    pub fn new(model: Model<T>) -> Self {
+        let [columns, rows] = model.camera.size;
+        Self {
+            film: vec![0; columns as usize * rows as usize],
+            segments: 0,
+            exitance: Vec::new(),
+            deposits: Vec::new(),
+            tally: [0; book::SLOTS],
+            model,
+        }
+    }
+
+    fn clear_film(&mut self) {
+        self.film.fill(0);
+        self.segments = 0;
+    }
+
+    fn camera(&mut self, mode: CameraMode, seed: u32, [first, count]: [u32; 2], [first_sample, samples]: [u32; 2]) {
+        let view = View {
+            exitance: (mode == CameraMode::Mapped).then_some(self.exitance.as_slice()),
+            complement: mode == CameraMode::Complement,
+        };
+        let first = first as usize;
+        let film = &mut self.film[first..first + count as usize];
+        self.segments += cpu::camera::add(&self.model, view, seed, [first_sample, samples], first, film);
+    }
+
+    fn set_exitance(&mut self, texels: &[[f64; 4]]) {
+        self.exitance = texels.iter().map(|t| t.map(T::of)).collect();
+    }
+
+    fn clear_photons(&mut self, mode: PhotonMode) {
+        self.deposits = (0..deposit_cells(&self.model, mode)).map(|_| AtomicU64::new(0)).collect();
+        self.tally = [0; book::SLOTS];
+    }
+
+    fn photons(&mut self, mode: PhotonMode, seed: u32, threads: u32, samples: [u32; 2]) {
+        let deposits = Deposits {
+            cells: &self.deposits,
+            splatted: mode == PhotonMode::Splat,
+        };
+        let deposits = (mode != PhotonMode::Ledger).then_some(&deposits);
+        let tally = cpu::photons::send(&self.model, deposits, seed, threads, samples);
+        self.tally.iter_mut().zip(tally).for_each(|(sum, v)| *sum += v);
+    }
+
+    fn read_photons(&self) -> ([i64; book::SLOTS], Vec<u64>) {
+        (self.tally, self.deposits.iter().map(|d| d.load(Ordering::Relaxed)).collect())
+    }
+}
+
+/// Cells that photons deposit into: two per texel, or one per pixel.
+pub(super) fn deposit_cells<T: Real>(model: &Model<T>, mode: PhotonMode) -> usize {
+    match mode {
+        PhotonMode::Ledger => 1,
+        PhotonMode::Map => 2 * model.map_size[0] * model.map_size[1],
+        PhotonMode::Splat => model.camera.size[0] as usize * model.camera.size[1] as usize,
+    }
+}

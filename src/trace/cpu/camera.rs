@@ -1,0 +1,152 @@
+//! Twin of `camera.wgsl`: camera paths.
+
+use super::vec3::v3;
+use super::{End, Limits, Path, V3, book};
+use crate::trace::model::{Model, Real};
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+/// What camera paths read and leave out.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a, T> {
+    /// Deposit and area of each texel, for true contact and for the gap: read in place of following the path into tissue.
+    pub exitance: Option<&'a [[T; 4]]>,
+    /// Leave out what `splat` finds: paths that reach their first tissue straight.
+    pub complement: bool,
+}
+
+/// Film units of one unit of radiance: sums are 64-bit fixed point with 48 fractional bits.
+pub const FILM_UNIT: f64 = 281_474_976_710_656.0;
+
+/// Adds `samples` paths per pixel, from `first_sample` on, to the fixed-point film; returns the segments traced.
+pub fn add<T: Real>(
+    model: &Model<T>,
+    view: View<T>,
+    seed: u32,
+    [first_sample, samples]: [u32; 2],
+    first_pixel: usize,
+    film: &mut [u64],
+) -> u64 {
+    film.par_iter_mut()
+        .enumerate()
+        .map(|(k, sum)| {
+            let mut path = Path::new(model, Limits::default());
+            for s in first_sample..first_sample + samples {
+                let light = path.camera_path(view, seed, (first_pixel + k) as u32, s);
+                *sum = sum.wrapping_add((light.wide() * FILM_UNIT) as u64);
+            }
+            path.tally[book::SEGMENTS] as u64
+        })
+        .sum()
+}
+
+impl<T: Real> Path<'_, T> {
+    /// Radiance (over the square of the surround's index) along one camera path.
+    pub fn camera_path(&mut self, view: View<T>, seed: u32, pixel: u32, sample: u32) -> T {
+        self.start_random(seed, pixel, sample);
+        self.start_camera_path(pixel);
+        let [half_x, half_y] = self.model.half_size;
+        if self.o.x.abs() >= half_x || self.o.y.abs() >= half_y {
+            return T::zero();
+        }
+        if !self.meet(0, V3::up(), T::one()) {
+            return T::zero();
+        }
+        self.layer = 1;
+        let mut light = T::zero();
+        let end = loop {
+            let mut end = self.walk();
+            if end == End::Touch {
+                end = self.camera_touch(view, &mut light);
+                if end == End::GoesOn {
+                    continue;
+                }
+            }
+            break end;
+        };
+        self.record(1000 + end as u32, T::one());
+        light + self.weight * self.light_at_end(end)
+    }
+
+    fn start_camera_path(&mut self, pixel: u32) {
+        let camera = &self.model.camera;
+        let [columns, rows] = camera.size;
+        let at_x = T::of(f64::from(pixel % columns)) + self.draw();
+        let at_y = T::of(f64::from(pixel / columns)) + self.draw();
+        let half = T::of(0.5);
+        let mut d = v3(
+            (at_x - half * T::of(f64::from(columns))) * camera.pixel_tan,
+            -(at_y - half * T::of(f64::from(rows))) * camera.pixel_tan,
+            T::one(),
+        );
+        self.o = v3(T::zero(), T::zero(), -camera.distance);
+        if self.kernel.lens {
+            let r = camera.lens_radius * self.draw().sqrt();
+            let phi = T::of(TAU) * self.draw();
+            let (x, y) = (r * phi.cos(), r * phi.sin());
+            d = v3(d.x * camera.focus - x, d.y * camera.focus - y, camera.focus);
+            self.o = v3(x, y, -camera.distance);
+        }
+        self.p = d.normalize() * self.model.surround_n;
+        self.o = self.o + self.p * (camera.distance / self.p.z);
+        self.o.z = T::zero();
+        self.layer = 0;
+        self.weight = T::one();
+        self.bounces = 0;
+        self.reflected = false;
+    }
+
+    fn exitance_at(&self, texels: &[[T; 4]], x: T, y: T) -> T {
+        let (zero, one) = (T::zero(), T::one());
+        let [columns, rows] = self.model.map_size;
+        let axis = |v: T, half: T, n: usize| {
+            let g = (v / (T::of(2.0) * half) + T::of(0.5)) * T::of(n as f64) - T::of(0.5);
+            let c = g.floor();
+            let at = |k: i64| (c.to_i64().unwrap_or(0) + k).clamp(0, n as i64 - 1) as usize;
+            (at(0), at(1), g - c)
+        };
+        let (x0, x1, ux) = axis(x, self.model.half_size[0], columns);
+        let (y0, y1, uy) = axis(y, self.model.half_size[1], rows);
+        let mut sum = [zero; 4];
+        for (row, wy) in [(y0, one - uy), (y1, uy)] {
+            for (column, wx) in [(x0, one - ux), (x1, ux)] {
+                let texel = texels[row * columns + column];
+                for (s, v) in sum.iter_mut().zip(texel) {
+                    *s = *s + v * wx * wy;
+                }
+            }
+        }
+        let ratio = |deposit: T, area: T| if area > zero { deposit / area } else { zero };
+        let contact = ratio(sum[0], sum[1]);
+        let Some(tissue) = self.model.tissue.as_ref() else {
+            return zero;
+        };
+        if self.kernel.spreading {
+            return contact;
+        }
+        let gap = ratio(sum[2], sum[3]);
+        let share = self.contact_share(x, y);
+        let mix = |a: T, b: T| a * (one - share) + b * share;
+        let reentry = mix(tissue.reentry_gap, tissue.reentry_contact);
+        tissue.albedo * mix(gap, contact) / (one - tissue.albedo * reentry)
+    }
+
+    fn camera_touch(&mut self, view: View<T>, light: &mut T) -> End {
+        let a = self.p.dot(self.normal).abs();
+        let r = self.boundary(self.o.x, self.o.y, a).mixed;
+        if let (Some(texels), Some(tissue)) = (view.exitance, self.model.tissue.as_ref()) {
+            let out = self.exitance_at(texels, self.o.x, self.o.y);
+            *light = *light + self.weight * (T::one() - r) * out / (T::of(PI) * tissue.n * tissue.n);
+        }
+        let u = self.draw();
+        self.record(520 + u32::from(u < r), (u - r).abs());
+        if u < r {
+            self.touch_reflect();
+            return End::GoesOn;
+        }
+        if view.exitance.is_some() || (view.complement && !self.reflected) {
+            return End::Absorbed;
+        }
+        self.tissue_walk()
+    }
+}

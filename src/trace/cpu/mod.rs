@@ -1,0 +1,189 @@
+//! The CPU twin of the shaders, generic over f32 and f64: the same files, the same laws, the same random numbers.
+//!
+//! In f32 it checks the GPU's implementation path by path; in f64 it measures the rounding error; and where no GPU is
+//! found it does the work.
+
+pub mod camera;
+pub mod fresnel;
+pub mod led;
+pub mod photons;
+pub mod random;
+pub mod rough;
+pub mod surface;
+pub mod touch;
+pub mod vec3;
+pub mod walk;
+
+use super::kernel::Kernel;
+use super::model::{Model, Real};
+use vec3::V3;
+
+/// How a walk ends, or that it goes on. Numbers as in `scene.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum End {
+    /// Not ended.
+    GoesOn = 0,
+    /// At a black wall, or at a bonded LED in a mirror.
+    Wall = 1,
+    /// Left through a clear wall.
+    Sides = 2,
+    /// Left through the touched side.
+    Top = 3,
+    /// Left towards the camera.
+    Bottom = 4,
+    /// At tissue: the walk goes on after it.
+    Touch = 5,
+    /// Absorbed.
+    Absorbed = 6,
+    /// Russian roulette.
+    Roulette = 7,
+    /// The cap on interactions.
+    Cap = 8,
+    /// No surface was found: an error.
+    Lost = 9,
+}
+
+/// Slots of the flux ledger. Numbers as in `scene.wgsl`.
+pub mod book {
+    /// Sent out.
+    pub const EMITTED: usize = 0;
+    /// Absorbed.
+    pub const ABSORBED: usize = 1;
+    /// Left through the touched side.
+    pub const TOP: usize = 2;
+    /// Left towards the camera.
+    pub const BOTTOM: usize = 3;
+    /// Left through the walls.
+    pub const SIDES: usize = 4;
+    /// Entered the lens.
+    pub const DETECTED: usize = 5;
+    /// Cut off.
+    pub const TERMINATED: usize = 6;
+    /// Roulette.
+    pub const ROULETTE: usize = 7;
+    /// Lost paths.
+    pub const LOST: usize = 8;
+    /// Segments traced.
+    pub const SEGMENTS: usize = 9;
+    /// Number of slots.
+    pub const SLOTS: usize = 10;
+}
+
+/// Ledger units of one photon.
+pub const UNIT: f64 = 1_048_576.0;
+
+/// One event of a path and how far its decision was from going the other way (a probability or a squared momentum).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Event {
+    /// Code, as recorded by the GPU.
+    pub code: u32,
+    /// Distance of the decision from its threshold.
+    pub margin: f64,
+}
+
+/// Limits of a walk; the defaults are those of the shaders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Interactions after which Russian roulette begins.
+    pub roulette_start: u32,
+    /// Interactions after which a path is cut off.
+    pub event_cap: u32,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            roulette_start: 256,
+            event_cap: 65_536,
+        }
+    }
+}
+
+/// A path under way: its state, and what it found.
+pub struct Path<'m, T: Real> {
+    /// The scene.
+    pub model: &'m Model<T>,
+    /// What the scene needs.
+    pub kernel: Kernel,
+    /// Limits.
+    pub limits: Limits,
+    /// Position, mm.
+    pub o: V3<T>,
+    /// Optical momentum: index times direction.
+    pub p: V3<T>,
+    /// Layer it is in.
+    pub layer: usize,
+    /// Weight.
+    pub weight: T,
+    /// Random key.
+    pub key: [u32; 2],
+    /// Numbers drawn.
+    pub draws: u32,
+    /// Interactions.
+    pub bounces: u32,
+    /// Wall it met: 0 +x, 1 -x, 2 +y, 3 -y.
+    pub wall: u32,
+    /// Has been reflected at least once.
+    pub reflected: bool,
+    /// Normal of the touched face at [`End::Touch`].
+    pub normal: V3<T>,
+    /// A surface search did not converge.
+    pub lost: bool,
+    /// Normals of the mesh at the last hit: interpolated, facet.
+    pub mesh_normals: [V3<T>; 2],
+    /// Ledger, in units of 1 / [`UNIT`] photon.
+    pub tally: [i64; book::SLOTS],
+    /// Events, where they are wanted.
+    pub events: Option<Vec<Event>>,
+    /// What the photons leave behind, where they do.
+    pub deposits: Option<&'m photons::Deposits<'m>>,
+}
+
+impl<'m, T: Real> Path<'m, T> {
+    /// A path with nothing in it yet.
+    pub fn new(model: &'m Model<T>, limits: Limits) -> Self {
+        Self {
+            model,
+            kernel: Kernel::of(model),
+            limits,
+            o: V3::zero(),
+            p: V3::zero(),
+            layer: 0,
+            weight: T::one(),
+            key: [0; 2],
+            draws: 0,
+            bounces: 0,
+            wall: 0,
+            reflected: false,
+            normal: V3::up(),
+            lost: false,
+            mesh_normals: [V3::up(); 2],
+            tally: [0; book::SLOTS],
+            events: None,
+            deposits: None,
+        }
+    }
+
+    pub(super) fn record(&mut self, code: u32, margin: T) {
+        if let Some(events) = &mut self.events {
+            events.push(Event {
+                code,
+                margin: margin.wide(),
+            });
+        }
+    }
+
+    pub(super) fn book(&mut self, slot: usize, before: T, after: T) {
+        self.tally[slot] += units(before) - units(after);
+    }
+
+    pub(super) fn top(&self) -> usize {
+        self.model.faces.len() - 1
+    }
+}
+
+/// Ledger units of a weight.
+pub fn units<T: Real>(weight: T) -> i64 {
+    (weight.wide() * UNIT).round() as i64
+}

@@ -1,0 +1,37 @@
+//! Twin of `random.wgsl`: counter-based random numbers, equal bit for bit.
+
+use super::Path;
+use crate::trace::model::Real;
+
+/// pcg3d of Jarzynski and Olano (2020).
+pub fn pcg3d(v: [u32; 3]) -> [u32; 3] {
+    let mut v = v.map(|x| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    let mix = |v: &mut [u32; 3]| {
+        v[0] = v[0].wrapping_add(v[1].wrapping_mul(v[2]));
+        v[1] = v[1].wrapping_add(v[2].wrapping_mul(v[0]));
+        v[2] = v[2].wrapping_add(v[0].wrapping_mul(v[1]));
+    };
+    mix(&mut v);
+    v = v.map(|x| x ^ (x >> 16));
+    mix(&mut v);
+    v
+}
+
+impl<T: Real> Path<'_, T> {
+    /// Starts the random numbers of path (a, b) of a seed.
+    pub fn start_random(&mut self, seed: u32, a: u32, b: u32) {
+        let key = pcg3d([seed, a, b]);
+        self.key = [key[0], key[1]];
+        self.draws = 0;
+    }
+
+    /// Uniform in [0, 1), 24 bits.
+    pub fn draw(&mut self) -> T {
+        let mut h = self.key[0].wrapping_add(self.draws.wrapping_mul(0x9e37_79b9));
+        self.draws = self.draws.wrapping_add(1);
+        h = (h ^ (h >> 16)).wrapping_mul(0x21f0_aaad);
+        h = (h ^ (h >> 15)).wrapping_add(self.key[1]).wrapping_mul(0xd35a_2d97);
+        h ^= h >> 15;
+        T::of(f64::from(h >> 8) * 5.960_464_477_539_063e-8)
+    }
+}

@@ -1,0 +1,226 @@
+//! Twin of `surface_*.wgsl`: crossings, normals and heights of deformed interfaces.
+
+use super::Path;
+use super::vec3::{V3, v3};
+use crate::trace::model::{CapShape, FieldShape, MeshShape, Real, Shape};
+
+/// Further than anything.
+pub fn far<T: Real>() -> T {
+    T::of(1e30)
+}
+
+fn c<T: Real>(v: f64) -> T {
+    T::of(v)
+}
+
+impl<T: Real> Path<'_, T> {
+    /// First crossing of deformed interface `i` from below (side 1) or above (side -1), in units of the momentum.
+    pub fn surface_cross(&mut self, i: usize, o: V3<T>, p: V3<T>, side: T, t_max: T) -> T {
+        match &self.model.shape {
+            Shape::Plane => far(),
+            Shape::Cap(cap) => self.cap_cross(cap, i, o, p, side),
+            Shape::Field(field) => self.field_cross(field, i, o, p, side, t_max),
+            Shape::Mesh(mesh) => self.mesh_cross(mesh, o, p, side, t_max),
+        }
+    }
+
+    /// Upward unit normal of deformed interface `i` at a point on it.
+    pub fn surface_normal(&self, i: usize, o: V3<T>) -> V3<T> {
+        match &self.model.shape {
+            Shape::Plane => V3::up(),
+            Shape::Cap(cap) => {
+                let (x, y) = (o.x - cap.center[0], o.y - cap.center[1]);
+                if x * x + y * y >= cap.rim_sq {
+                    return V3::up();
+                }
+                let share = self.model.faces[i].share;
+                let zeta = (o.z - self.model.faces[i].z) / share - (cap.ball - cap.depth);
+                v3(-x, -y, -zeta / share).normalize()
+            }
+            Shape::Field(field) => {
+                let h = self.field_at(field, i, o.x, o.y);
+                v3(-h[1], -h[2], T::one()).normalize()
+            }
+            Shape::Mesh(_) => {
+                let [smooth, facet] = self.mesh_normals;
+                let side = self.p.dot(facet);
+                let along = self.p.dot(smooth);
+                let reflected = side - c::<T>(2.0) * along * smooth.dot(facet);
+                let keep = along * side > T::zero() && reflected * side < T::zero();
+                if keep { smooth } else { facet }
+            }
+        }
+    }
+
+    /// Height of deformed interface `i`, mm.
+    pub fn surface_height(&mut self, i: usize, x: T, y: T) -> T {
+        let face = self.model.faces[i];
+        match &self.model.shape {
+            Shape::Plane => face.z,
+            Shape::Cap(cap) => {
+                let (dx, dy) = (x - cap.center[0], y - cap.center[1]);
+                let r_sq = dx * dx + dy * dy;
+                let h = cap.ball - cap.depth - (cap.ball * cap.ball - r_sq).max(T::zero()).sqrt();
+                face.z + face.share * if r_sq < cap.rim_sq { h } else { T::zero() }
+            }
+            Shape::Field(field) => face.z + self.field_at(field, i, x, y)[0],
+            Shape::Mesh(mesh) => {
+                let low = face.z + face.low - T::one();
+                let t = self.mesh_cross(mesh, v3(x, y, low), V3::up(), T::one(), far());
+                if t >= far() { face.z } else { low + t }
+            }
+        }
+    }
+
+    fn cap_cross(&self, cap: &CapShape<T>, i: usize, o: V3<T>, p: V3<T>, side: T) -> T {
+        let zero = T::zero();
+        let inv = T::one() / self.model.faces[i].share;
+        let zeta = (o.z - self.model.faces[i].z) * inv;
+        let d = v3(p.x, p.y, p.z * inv);
+        let q = v3(o.x - cap.center[0], o.y - cap.center[1], zeta - (cap.ball - cap.depth));
+        let a = d.dot(d);
+        let b = q.dot(d);
+        let k = q.dot(q) - cap.ball * cap.ball;
+        let disc = b * b - a * k;
+        let root = disc.max(zero).sqrt();
+        let enter = k / (root - b);
+        let leave = if b > zero { -k / (root + b) } else { (root - b) / a };
+        let t = (if side > zero { enter } else { leave }).max(zero);
+        if disc >= zero && (side < zero || b < zero) && zeta + t * d.z < zero {
+            return t;
+        }
+        if d.z * side > zero { (-zeta / d.z).max(zero) } else { far() }
+    }
+
+    fn field_at(&self, field: &FieldShape<T>, i: usize, x: T, y: T) -> [T; 3] {
+        let [columns, rows] = field.size;
+        let gx = (x + self.model.half_size[0]) * field.per_mm[0];
+        let gy = (y + self.model.half_size[1]) * field.per_mm[1];
+        let clamp = |v: T, hi: T| v.max(T::zero()).min(hi);
+        let cx = clamp(gx.floor(), c((columns - 2) as f64));
+        let cy = clamp(gy.floor(), c((rows - 2) as f64));
+        let ux = clamp(gx - cx, T::one());
+        let uy = clamp(gy - cy, T::one());
+        let (wx, dx, wy, dy) = (weights(ux), slopes(ux), weights(uy), slopes(uy));
+        let control = &field.control[self.model.faces[i].field];
+        let (cx, cy) = (cx.to_usize().unwrap_or(0), cy.to_usize().unwrap_or(0));
+        let dot = |a: &[T], b: [T; 4]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+        let mut values = [T::zero(); 4];
+        let mut along = [T::zero(); 4];
+        for j in 0..4 {
+            let at = (cy + j) * (columns + 2) + cx;
+            let row = &control[at..at + 4];
+            values[j] = dot(row, wx);
+            along[j] = dot(row, dx);
+        }
+        [
+            dot(&values, wy),
+            dot(&along, wy) * field.per_mm[0],
+            dot(&values, dy) * field.per_mm[1],
+        ]
+    }
+
+    fn field_cross(&mut self, field: &FieldShape<T>, i: usize, o: V3<T>, p: V3<T>, side: T, t_max: T) -> T {
+        let zero = T::zero();
+        let two = c::<T>(2.0);
+        let face = self.model.faces[i];
+        let zeta = o.z - face.z;
+        let near = if side > zero { face.low } else { face.high };
+        let outside = (near - zeta) * side > zero;
+        if outside && p.z * side <= zero {
+            return far();
+        }
+        let mut t = if outside { (near - zeta) / p.z } else { zero };
+        let k = (face.curvature * (p.x * p.x + p.y * p.y)).max(c(1e-12));
+        for _ in 0..256 {
+            if t >= t_max {
+                return far();
+            }
+            let h = self.field_at(field, i, o.x + t * p.x, o.y + t * p.y);
+            let g = (side * (h[0] - (zeta + t * p.z))).max(zero);
+            let slope = side * (h[1] * p.x + h[2] * p.y - p.z);
+            let root = (slope * slope + two * k * g).sqrt();
+            let step = if slope < zero { two * g / (root - slope) } else { (root + slope) / k };
+            if slope < zero && step < c(1e-6) {
+                return t;
+            }
+            t = t + step.max(c(1e-7));
+            let z = zeta + t * p.z;
+            if (near - z) * side > zero && p.z * side <= zero {
+                return far();
+            }
+        }
+        self.lost = true;
+        far()
+    }
+
+    fn mesh_cross(&mut self, mesh: &MeshShape<T>, o: V3<T>, p: V3<T>, side: T, t_max: T) -> T {
+        let zero = T::zero();
+        let tiny = c::<T>(1e-20);
+        let inv = |v: T| T::one() / if v.abs() < tiny { tiny } else { v };
+        let inv = v3(inv(p.x), inv(p.y), inv(p.z));
+        let mut best = t_max;
+        let mut found = far();
+        let mut stack = vec![0usize];
+        while let Some(n) = stack.pop() {
+            let node = &mesh.nodes[n];
+            if box_distance(node.low, node.high, o, inv, best) >= far() {
+                continue;
+            }
+            let first = node.first as usize;
+            if node.count == 0 {
+                let distance = |k: usize| box_distance(mesh.nodes[k].low, mesh.nodes[k].high, o, inv, best);
+                let swap = distance(first) > distance(first + 1);
+                stack.extend(if swap { [first, first + 1] } else { [first + 1, first] });
+                continue;
+            }
+            for j in first..first + node.count as usize {
+                let corner = mesh.corners[j].map(V3::from_array);
+                let [a, b, d] = corner.map(|v| v - o);
+                let facet = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+                let toward = facet.dot(p);
+                let u = d.cross(b).dot(p);
+                let v = a.cross(d).dot(p);
+                let w = b.cross(a).dot(p);
+                let inside = (u * side).max(v * side).max(w * side) <= zero;
+                let t = (a.dot(facet) / toward).max(zero);
+                if inside && toward * side > zero && t < best {
+                    best = t;
+                    found = t;
+                    let normals = mesh.normals[j].map(V3::from_array);
+                    let sum = u + v + w;
+                    let smooth = normals[0] * (u / sum) + normals[1] * (v / sum) + normals[2] * (w / sum);
+                    self.mesh_normals = [smooth.normalize(), facet.normalize()];
+                }
+            }
+        }
+        found
+    }
+}
+
+fn weights<T: Real>(u: T) -> [T; 4] {
+    let v = T::one() - u;
+    let (three, four, six) = (c::<T>(3.0), c::<T>(4.0), c::<T>(6.0));
+    let inner = |u: T| (three * u - six) * u * u + four;
+    [v * v * v, inner(u), inner(v), u * u * u].map(|w| w * c(1.0 / 6.0))
+}
+
+fn slopes<T: Real>(u: T) -> [T; 4] {
+    let v = T::one() - u;
+    let (three, four) = (c::<T>(3.0), c::<T>(4.0));
+    [-v * v, (three * u - four) * u, (four - three * v) * v, u * u].map(|w| w * c(0.5))
+}
+
+fn box_distance<T: Real>(low: [f32; 3], high: [f32; 3], o: V3<T>, inv: V3<T>, t_max: T) -> T {
+    let mut enter = T::zero();
+    let mut leave = t_max;
+    let axes = [(o.x, inv.x), (o.y, inv.y), (o.z, inv.z)];
+    for (k, (o, inv)) in axes.into_iter().enumerate() {
+        let t0 = (T::of(f64::from(low[k])) - o) * inv;
+        let t1 = (T::of(f64::from(high[k])) - o) * inv;
+        enter = enter.max(t0.min(t1));
+        leave = leave.min(t0.max(t1));
+    }
+    // The boxes are f32: rounded up by two ulps per operation (Ize 2013).
+    if enter <= leave * c(1.000_000_4) { enter } else { far() }
+}

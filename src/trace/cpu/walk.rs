@@ -1,0 +1,217 @@
+//! Twin of `walk.wgsl`: from event to event through the stack.
+
+use super::fresnel::fresnel;
+use super::surface::far;
+use super::vec3::V3;
+use super::{End, Path, book};
+use crate::trace::model::{Real, Walls};
+
+fn safe_divide<T: Real>(a: T, b: T) -> T {
+    if b == T::zero() { far() } else { a / b }
+}
+
+impl<T: Real> Path<'_, T> {
+    fn cross_face(&mut self, i: usize, side: T, t_max: T) -> T {
+        let face = self.model.faces[i];
+        if face.share != T::zero() {
+            return self.surface_cross(i, self.o, self.p, side, t_max);
+        }
+        if self.p.z * side > T::zero() {
+            ((face.z - self.o.z) / self.p.z).max(T::zero())
+        } else {
+            far()
+        }
+    }
+
+    /// Reflection or refraction at interface `i`; true when transmitted.
+    pub fn meet(&mut self, i: usize, normal: V3<T>, side: T) -> bool {
+        let n_sq = self.model.layers[self.layer].n_sq;
+        let face = self.model.faces[i];
+        let dn_sq = face.dn_sq * side;
+        let m = if face.kind == 2 { self.facet(normal, side, face.alpha, self.layer) } else { normal };
+        let a = self.p.dot(m).abs();
+        let b_sq = dn_sq + a * a;
+        let code = i as u32 * 4;
+        if b_sq <= T::zero() {
+            self.record(code, -b_sq);
+            self.reflected = true;
+            self.bounce(i, normal, m, side, a);
+            return false;
+        }
+        let b = b_sq.sqrt();
+        let r = fresnel(a, b, n_sq, n_sq + dn_sq);
+        let u = self.draw();
+        if u < r {
+            self.record(code + 1, r - u);
+            self.reflected = true;
+            self.bounce(i, normal, m, side, a);
+            return false;
+        }
+        self.record(code + 2, u - r);
+        self.refract_through(i, normal, m, side, a, b);
+        true
+    }
+
+    pub(super) fn mirror(&mut self, m: V3<T>) {
+        self.p = self.p - m * (T::of(2.0) * self.p.dot(m));
+    }
+
+    fn roulette(&mut self) -> End {
+        self.bounces += 1;
+        if self.bounces >= self.limits.event_cap {
+            return End::Cap;
+        }
+        let faint = self.weight < T::of(0.1);
+        if faint || self.bounces > self.limits.roulette_start {
+            let keep = T::of(if faint { 0.5 } else { 0.95 });
+            if self.draw() >= keep {
+                return End::Roulette;
+            }
+            let before = self.weight;
+            self.weight = before / keep;
+            self.book(book::ROULETTE, before, self.weight);
+        }
+        End::GoesOn
+    }
+
+    fn absorb(&mut self, length: T) {
+        let before = self.weight;
+        self.weight = before * (-self.model.layers[self.layer].absorption * length).exp();
+        self.book(book::ABSORBED, before, self.weight);
+    }
+
+    fn meet_wall(&mut self) -> End {
+        let code = 256 + self.wall * 2;
+        let along_x = self.wall < 2;
+        match self.model.walls {
+            Walls::Clear => {
+                let layer = self.model.layers[self.layer];
+                let q = if along_x { self.p.x } else { self.p.y };
+                let a = q.abs();
+                let b_sq = layer.side_dn_sq + a * a;
+                let (mut r, mut u) = (T::one(), T::zero());
+                let mut margin = b_sq.abs();
+                if b_sq > T::zero() {
+                    r = fresnel(a, b_sq.sqrt(), layer.n_sq, layer.n_sq + layer.side_dn_sq);
+                    u = self.draw();
+                    margin = (u - r).abs();
+                }
+                let leaves = u >= r;
+                self.record(code + u32::from(leaves), margin);
+                let out = if leaves { q.signum() * b_sq.max(T::zero()).sqrt() } else { -q };
+                if along_x {
+                    self.p.x = out;
+                } else {
+                    self.p.y = out;
+                }
+                if leaves {
+                    return End::Sides;
+                }
+            }
+            Walls::Mirror => {
+                if self.wall_led().is_some() {
+                    return End::Wall;
+                }
+                if self.draw() >= self.model.wall_reflectance {
+                    return End::Absorbed;
+                }
+                self.record(code, T::one());
+                if along_x {
+                    self.p.x = -self.p.x;
+                } else {
+                    self.p.y = -self.p.y;
+                }
+            }
+            Walls::Black => {
+                self.record(code, T::one());
+                return End::Wall;
+            }
+        }
+        self.reflected = true;
+        End::GoesOn
+    }
+
+    /// Walks to the next wall, exit or tissue.
+    pub fn walk(&mut self) -> End {
+        let top = self.top();
+        let (zero, one) = (T::zero(), T::one());
+        let deformed = self.kernel.deformed();
+        loop {
+            let ended = self.roulette();
+            if ended != End::GoesOn {
+                return ended;
+            }
+            self.tally[book::SEGMENTS] += 1;
+            let (o, p) = (self.o, self.p);
+            let rim = |q: T, half: T| if q > zero { half } else { -half };
+            let rim_x = rim(p.x, self.model.half_size[0]);
+            let rim_y = rim(p.y, self.model.half_size[1]);
+            let tx = safe_divide(rim_x - o.x, p.x);
+            let ty = safe_divide(rim_y - o.y, p.y);
+            let t_wall = tx.min(ty).max(zero);
+            let (t_face, up);
+            if deformed {
+                let t_up = if self.layer <= top { self.cross_face(self.layer, one, t_wall) } else { far() };
+                let t_down = self.cross_face(self.layer - 1, -one, t_wall.min(t_up));
+                up = t_up < t_down;
+                t_face = t_up.min(t_down);
+                if std::mem::take(&mut self.lost) {
+                    return End::Lost;
+                }
+            } else {
+                up = p.z > zero;
+                let i = if up { self.layer } else { self.layer - 1 };
+                t_face = safe_divide(self.model.faces[i].z - o.z, p.z).max(zero);
+            }
+            let (i, side) = if up { (self.layer, one) } else { (self.layer - 1, -one) };
+            let t = t_face.min(t_wall);
+            self.o = o + p * t;
+            if self.kernel.absorbing {
+                self.absorb(t * self.model.layers[self.layer].n);
+            }
+            if t_wall < t_face {
+                let at_x = tx < ty;
+                if at_x {
+                    self.o.x = rim_x;
+                } else {
+                    self.o.y = rim_y;
+                }
+                self.wall = match at_x {
+                    true => u32::from(p.x <= zero),
+                    false => 2 + u32::from(p.y <= zero),
+                };
+                if deformed && self.layer > top {
+                    return if p.z > zero { End::Top } else { End::Sides };
+                }
+                match self.meet_wall() {
+                    End::GoesOn => continue,
+                    end => return end,
+                }
+            }
+            if t >= far() {
+                return if deformed && self.layer > top { End::Top } else { End::Lost };
+            }
+            let mut normal = V3::up();
+            if deformed && self.model.faces[i].share != zero {
+                normal = self.surface_normal(i, self.o);
+            } else {
+                self.o.z = self.model.faces[i].z;
+            }
+            if self.kernel.touched && i == top && up && self.tissue_here(self.o.x, self.o.y) {
+                self.normal = normal;
+                return End::Touch;
+            }
+            if self.meet(i, normal, side) {
+                self.layer = if up { self.layer + 1 } else { self.layer - 1 };
+                if self.layer == 0 {
+                    return End::Bottom;
+                }
+                if !deformed && self.layer > top {
+                    return End::Top;
+                }
+            } else if self.weight == zero {
+                return End::Absorbed;
+            }
+        }
+    }
+}

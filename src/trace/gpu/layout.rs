@@ -1,0 +1,235 @@
+//! The uniforms of the shaders, member for member as in `scene.wgsl` and `led.wgsl`; a test holds them to naga's offsets.
+
+use crate::trace::leds;
+use crate::trace::model::{self, Model, Shape};
+use bytemuck::{Pod, Zeroable};
+
+/// Most layers, surrounds included (`array<Layer, 34>`).
+pub const LAYERS: usize = 34;
+/// Most interfaces.
+pub const FACES: usize = 33;
+/// Most LEDs.
+pub const LEDS: usize = 64;
+
+macro_rules! uniform {
+    ($(#[$doc:meta])* $name:ident { $($field:ident: $kind:ty),* $(,)? }) => {
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+        #[allow(missing_docs)]
+        pub struct $name { $(pub $field: $kind),* }
+
+        #[cfg(test)]
+        impl $name {
+            fn members() -> Vec<(&'static str, usize)> {
+                vec![$((stringify!($field), std::mem::offset_of!($name, $field))),*]
+            }
+        }
+    };
+}
+
+uniform! {
+    /// `Scene` of `scene.wgsl`.
+    Scene {
+        half_size: [f32; 2], layer_count: u32, led_count: u32,
+        wall_reflectance: f32, surround_n: f32, tissue_n: f32, tissue_albedo: f32,
+        tissue_center: [f32; 2], tissue_radius_sq: f32, spread_d: f32,
+        share_size: [u32; 2], share: f32, reentry_contact: f32,
+        map_size: [u32; 2], reentry_gap: f32, ball_radius: f32,
+        cap_center: [f32; 2], cap_rim_sq: f32, cap_depth: f32,
+        field_size: [u32; 2], field_scale: [f32; 2],
+        image_size: [u32; 2], pixel_tan: f32, camera_distance: f32,
+        lens_radius: f32, focus_distance: f32, tissue_dn_sq: f32, gap_dn_sq: f32,
+    }
+}
+
+uniform! {
+    /// `Run` of `scene.wgsl`.
+    Run { seed: u32, first: u32, count: u32, samples: u32, first_sample: u32, pad0: u32, pad1: u32, pad2: u32 }
+}
+
+uniform! {
+    /// `Layer` of `scene.wgsl`.
+    Layer { n: f32, n_sq: f32, absorption: f32, side_dn_sq: f32 }
+}
+
+uniform! {
+    /// `Face` of `scene.wgsl`.
+    Face {
+        z: f32, share: f32, dn_sq: f32, curvature: f32, low: f32, high: f32, field: u32, rough: f32,
+        alpha: f32, kind: u32, pad0: u32, pad1: u32,
+    }
+}
+
+uniform! {
+    /// `Led` of `led.wgsl`.
+    Led {
+        wall: u32, air: u32, along: f32, height: f32, radius: f32, gap: f32, radiance: f32, exponent: f32,
+        cos_cutoff: f32, cumulative: f32, table: u32, launch: f32,
+    }
+}
+
+/// The scene uniform of a model.
+pub fn scene(m: &Model<f32>) -> Scene {
+    let size = |s: [usize; 2]| s.map(|v| v as u32);
+    let mut out = Scene {
+        half_size: m.half_size,
+        layer_count: m.faces.len() as u32 - 1,
+        led_count: m.leds.len() as u32,
+        wall_reflectance: m.wall_reflectance,
+        surround_n: m.surround_n,
+        map_size: size(m.map_size),
+        image_size: m.camera.size,
+        pixel_tan: m.camera.pixel_tan,
+        camera_distance: m.camera.distance,
+        lens_radius: m.camera.lens_radius,
+        focus_distance: m.camera.focus,
+        ..Default::default()
+    };
+    if let Some(t) = &m.tissue {
+        out.tissue_n = t.n;
+        out.tissue_albedo = t.albedo;
+        out.tissue_center = t.center;
+        out.tissue_radius_sq = t.radius_sq;
+        out.spread_d = t.spread_d;
+        out.share_size = size(t.grid_size);
+        out.share = t.share;
+        out.reentry_contact = t.reentry_contact;
+        out.reentry_gap = t.reentry_gap;
+        out.tissue_dn_sq = t.dn_sq;
+        out.gap_dn_sq = t.gap_dn_sq;
+    }
+    match &m.shape {
+        Shape::Cap(c) => {
+            (out.ball_radius, out.cap_depth) = (c.ball, c.depth);
+            (out.cap_center, out.cap_rim_sq) = (c.center, c.rim_sq);
+        }
+        Shape::Field(f) => (out.field_size, out.field_scale) = (size(f.size), f.per_mm),
+        Shape::Plane | Shape::Mesh(_) => {}
+    }
+    out
+}
+
+/// The layers of a model, padded.
+pub fn layers(m: &Model<f32>) -> [Layer; LAYERS] {
+    padded(m.layers.iter().map(|l| Layer {
+        n: l.n,
+        n_sq: l.n_sq,
+        absorption: l.absorption,
+        side_dn_sq: l.side_dn_sq,
+    }))
+}
+
+/// The interfaces of a model, padded. `field` counts rows of four control points.
+pub fn faces(m: &Model<f32>) -> [Face; FACES] {
+    let stride = match &m.shape {
+        Shape::Field(f) => (f.size[0] - 1) * (f.size[1] + 2),
+        _ => 0,
+    };
+    padded(m.faces.iter().map(|f: &model::Face<f32>| Face {
+        z: f.z,
+        share: f.share,
+        dn_sq: f.dn_sq,
+        curvature: f.curvature,
+        low: f.low,
+        high: f.high,
+        field: (f.field * stride) as u32,
+        rough: f.rough,
+        alpha: f.alpha,
+        kind: f.kind,
+        ..Default::default()
+    }))
+}
+
+/// The LEDs of a model, padded.
+pub fn leds(m: &Model<f32>) -> [Led; LEDS] {
+    padded(m.leds.iter().map(|l: &leds::Led<f32>| Led {
+        wall: l.wall,
+        air: u32::from(l.air),
+        along: l.along,
+        height: l.height,
+        radius: l.radius,
+        gap: l.gap,
+        radiance: l.radiance,
+        exponent: l.exponent,
+        cos_cutoff: l.cos_cutoff,
+        cumulative: l.cumulative,
+        table: l.table.map_or(u32::MAX, |t| t as u32),
+        launch: l.launch,
+    }))
+}
+
+/// The deformed shape: words of bindings 8 and 9 of the surface pieces.
+pub fn shape(m: &Model<f32>) -> (Vec<f32>, Vec<f32>) {
+    match &m.shape {
+        Shape::Plane | Shape::Cap(_) => (Vec::new(), Vec::new()),
+        Shape::Field(f) => {
+            let width = f.size[0] + 2;
+            let rows = f.control.iter().flat_map(|c| c.chunks(width));
+            (rows.flat_map(|row| row.windows(4).flatten().copied()).collect(), Vec::new())
+        }
+        Shape::Mesh(mesh) => {
+            let word = f32::from_bits;
+            let node = |n: &crate::surface::mesh::Node| {
+                let ([a, b, c], [d, e, f]) = (n.low, n.high);
+                [a, b, c, word(n.count), d, e, f, word(n.first)]
+            };
+            let triangles = mesh.corners.iter().zip(&mesh.normals);
+            let points = triangles.flat_map(|(c, n)| c.iter().chain(n));
+            (
+                mesh.nodes.iter().flat_map(node).collect(),
+                points.flat_map(|p| [p[0], p[1], p[2], 0.0]).collect(),
+            )
+        }
+    }
+}
+
+fn padded<T: Default + Copy, const N: usize>(items: impl Iterator<Item = T>) -> [T; N] {
+    let mut out = [T::default(); N];
+    out.iter_mut().zip(items).for_each(|(slot, item)| *slot = item);
+    out
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::trace::backend::CameraMode;
+    use crate::trace::gpu::assemble::{Entry, source};
+    use crate::trace::kernel::{Kernel, ShapePiece};
+
+    fn kernel() -> Kernel {
+        Kernel {
+            shape: ShapePiece::Plane,
+            absorbing: true,
+            clear_walls: true,
+            mirror_walls: false,
+            rough: false,
+            touched: true,
+            spreading: false,
+            share_grid: false,
+            led_tables: false,
+            lens: false,
+        }
+    }
+
+    #[test]
+    fn uniforms_have_the_offsets_that_naga_sees() {
+        let text = source(&kernel(), Entry::Camera(CameraMode::Path), false);
+        let module = naga::front::wgsl::parse_str(&text).unwrap();
+        let check = |name: &str, members: Vec<(&str, usize)>, size: usize| {
+            let (_, found) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).unwrap();
+            let naga::TypeInner::Struct { members: theirs, span } = &found.inner else {
+                panic!("{name} is not a struct");
+            };
+            let theirs: Vec<_> = theirs.iter().map(|m| (m.name.as_deref().unwrap(), m.offset as usize)).collect();
+            assert_eq!(theirs, members, "{name}");
+            assert_eq!(*span as usize, size, "{name}");
+        };
+        check("Scene", Scene::members(), size_of::<Scene>());
+        check("Run", Run::members(), size_of::<Run>());
+        check("Layer", Layer::members(), size_of::<Layer>());
+        check("Face", Face::members(), size_of::<Face>());
+        check("Led", Led::members(), size_of::<Led>());
+    }
+}

@@ -1,0 +1,302 @@
+//! A scene on a GPU: its buffers, its pipelines (built when first used), and chunks of work.
+
+use super::assemble::{Entry, constants, source};
+use super::device::Gpu;
+use super::layout;
+use crate::trace::TraceError;
+use crate::trace::backend::{CameraMode, PhotonMode, deposit_cells};
+use crate::trace::cpu::book;
+use crate::trace::kernel::{Kernel, ShapePiece};
+use crate::trace::model::Model;
+use std::collections::HashMap;
+use wgpu::BufferUsages as Usage;
+
+/// Threads per workgroup, as in the entry points.
+const WORKGROUP: u32 = 64;
+
+/// A scene loaded on a GPU.
+pub struct GpuTracer {
+    gpu: Gpu,
+    kernel: Kernel,
+    model: Model<f32>,
+    run: wgpu::Buffer,
+    scene: wgpu::Buffer,
+    layers: wgpu::Buffer,
+    faces: wgpu::Buffer,
+    leds: wgpu::Buffer,
+    led_tables: wgpu::Buffer,
+    surface: [wgpu::Buffer; 2],
+    share: wgpu::Buffer,
+    film: wgpu::Buffer,
+    exitance: wgpu::Buffer,
+    deposits: wgpu::Buffer,
+    ledger: wgpu::Buffer,
+    events: Option<wgpu::Buffer>,
+    pipelines: HashMap<Entry, wgpu::ComputePipeline>,
+}
+
+impl GpuTracer {
+    /// Opens a device and loads a model.
+    pub fn new(model: &Model<f64>) -> Result<Self, TraceError> {
+        Self::on(Gpu::open()?, model)
+    }
+
+    /// Loads a model on an open device.
+    pub fn on(gpu: Gpu, model: &Model<f64>) -> Result<Self, TraceError> {
+        let model: Model<f32> = model.cast();
+        let kernel = Kernel::of(&model);
+        let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
+        let (surface_a, surface_b) = layout::shape(&model);
+        let uniform = |what, bytes: &[u8]| gpu.upload(what, bytes, Usage::UNIFORM);
+        let storage = |what, words: &[f32]| gpu.upload(what, bytemuck::cast_slice(words), Usage::STORAGE);
+        let tables: Vec<f32> = model.led_tables.iter().flatten().copied().collect();
+        let grid = model.tissue.as_ref().map_or(&[][..], |t| &t.grid);
+        Ok(Self {
+            run: gpu.buffer("run", size_of::<layout::Run>() as u64, Usage::UNIFORM)?,
+            scene: uniform("scene", bytemuck::bytes_of(&layout::scene(&model)))?,
+            layers: uniform("layers", bytemuck::cast_slice(&layout::layers(&model)))?,
+            faces: uniform("interfaces", bytemuck::cast_slice(&layout::faces(&model)))?,
+            leds: uniform("LEDs", bytemuck::cast_slice(&layout::leds(&model)))?,
+            led_tables: storage("LED tables", &tables)?,
+            surface: [storage("surface", &surface_a)?, storage("triangles", &surface_b)?],
+            share: storage("contact share", grid)?,
+            film: gpu.buffer("film", 16 * pixels, Usage::STORAGE | Usage::COPY_SRC)?,
+            exitance: gpu.buffer("exitance map", 16, Usage::STORAGE)?,
+            deposits: gpu.buffer("photon deposits", 16, Usage::STORAGE | Usage::COPY_SRC)?,
+            ledger: gpu.buffer("ledger", 8 * book::SLOTS as u64, Usage::STORAGE | Usage::COPY_SRC)?,
+            events: None,
+            pipelines: HashMap::new(),
+            kernel,
+            model,
+            gpu,
+        })
+    }
+
+    /// Name of the adapter and its driver.
+    pub fn adapter(&self) -> String {
+        let info = &self.gpu.info;
+        format!("{} ({:?}, {})", info.name, info.backend, info.driver_info)
+    }
+
+    /// The device underneath.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Keeps event histories of the paths of each following chunk: 64 words a path, the first their number.
+    pub fn record_events(&mut self, paths: u32) -> Result<(), TraceError> {
+        let bytes = 4 * 64 * u64::from(paths);
+        self.events = Some(self.gpu.buffer("events", bytes, Usage::STORAGE | Usage::COPY_SRC)?);
+        self.pipelines.clear();
+        Ok(())
+    }
+
+    /// Event histories of the last chunk.
+    pub fn read_events(&self) -> Result<Vec<u32>, TraceError> {
+        self.events.as_ref().map_or(Ok(Vec::new()), |e| self.gpu.read(e))
+    }
+
+    /// Builds the pipeline of an entry point, so that it does not count as run time.
+    pub fn prepare(&mut self, entry: Entry) -> Result<(), TraceError> {
+        if self.pipelines.contains_key(&entry) {
+            return Ok(());
+        }
+        self.gpu.check()?;
+        let device = &self.gpu.device;
+        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let text = source(&self.kernel, entry, self.events.is_some());
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("kernel"),
+            source: wgpu::ShaderSource::Wgsl(text.into()),
+        });
+        let entries: Vec<_> = self.bindings(entry).into_iter().map(|(k, _, kind)| layout_entry(k, kind)).collect();
+        let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("kernel"),
+            entries: &entries,
+        });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("kernel"),
+            bind_group_layouts: &[Some(&group)],
+            ..Default::default()
+        });
+        let constants = constants(&self.kernel, entry);
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("kernel"),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(match entry {
+                Entry::Camera(_) => "camera",
+                Entry::Photons(_) => "photons",
+            }),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &constants,
+                zero_initialize_workgroup_memory: false,
+            },
+            cache: None,
+        });
+        if let Some(e) = pollster::block_on(scope.pop()) {
+            return Err(TraceError::Driver(e.to_string()));
+        }
+        self.pipelines.insert(entry, pipeline);
+        // Drivers compile at first dispatch: send an empty one.
+        self.dispatch(entry, layout::Run::default(), 1)
+    }
+
+    fn bindings(&self, entry: Entry) -> Vec<(u32, &wgpu::Buffer, wgpu::BufferBindingType)> {
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let read = wgpu::BufferBindingType::Storage { read_only: true };
+        let write = wgpu::BufferBindingType::Storage { read_only: false };
+        let mut out = vec![
+            (0, &self.scene, uniform),
+            (1, &self.run, uniform),
+            (2, &self.layers, uniform),
+            (3, &self.faces, uniform),
+            (4, &self.leds, uniform),
+            (5, &self.led_tables, read),
+        ];
+        if matches!(self.kernel.shape, ShapePiece::Field | ShapePiece::Mesh) {
+            out.push((8, &self.surface[0], read));
+        }
+        if self.kernel.shape == ShapePiece::Mesh {
+            out.push((9, &self.surface[1], read));
+        }
+        if self.kernel.touched {
+            out.push((10, &self.share, read));
+        }
+        if let Some(events) = &self.events {
+            out.push((11, events, write));
+        }
+        match entry {
+            Entry::Camera(_) => {
+                out.push((6, &self.film, write));
+                if self.kernel.touched {
+                    out.push((7, &self.exitance, read));
+                }
+            }
+            Entry::Photons(_) => {
+                out.push((12, &self.ledger, write));
+                if self.kernel.touched {
+                    out.push((6, &self.deposits, write));
+                }
+            }
+        }
+        out
+    }
+
+    fn dispatch(&self, entry: Entry, run: layout::Run, threads: u32) -> Result<(), TraceError> {
+        let Some(pipeline) = self.pipelines.get(&entry) else {
+            return Ok(());
+        };
+        self.gpu.check()?;
+        self.gpu.queue.write_buffer(&self.run, 0, bytemuck::bytes_of(&run));
+        let bindings = self.bindings(entry);
+        let entries: Vec<_> = bindings
+            .iter()
+            .map(|(k, buffer, _)| wgpu::BindGroupEntry {
+                binding: *k,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        let group = self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("kernel"),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(threads.div_ceil(WORKGROUP), 1, 1);
+        }
+        self.gpu.submit(encoder)
+    }
+
+    pub(in crate::trace) fn clear_film(&mut self) {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.film, 0, None);
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    /// Traces a chunk of camera paths.
+    pub fn camera(&mut self, mode: CameraMode, seed: u32, [first, count]: [u32; 2], [first_sample, samples]: [u32; 2]) -> Result<(), TraceError> {
+        let entry = Entry::Camera(mode);
+        self.prepare(entry)?;
+        let run = layout::Run {
+            seed,
+            first,
+            count,
+            samples,
+            first_sample,
+            ..Default::default()
+        };
+        self.dispatch(entry, run, count)
+    }
+
+    pub(in crate::trace) fn read_film(&mut self) -> Result<(Vec<u64>, u64), TraceError> {
+        let words = self.gpu.read(&self.film)?;
+        let pixels = words.chunks_exact(4);
+        let segments = pixels.clone().map(|p| u64::from(p[2])).sum();
+        Ok((pixels.map(|p| join(p[0], p[1])).collect(), segments))
+    }
+
+    pub(in crate::trace) fn set_exitance(&mut self, texels: &[[f64; 4]]) -> Result<(), TraceError> {
+        let words: Vec<f32> = texels.iter().flatten().map(|&v| v as f32).collect();
+        self.exitance = self.gpu.upload("exitance map", bytemuck::cast_slice(&words), Usage::STORAGE)?;
+        Ok(())
+    }
+
+    pub(in crate::trace) fn clear_photons(&mut self, mode: PhotonMode) -> Result<(), TraceError> {
+        let bytes = 8 * deposit_cells(&self.model, mode) as u64;
+        if self.deposits.size() != bytes.max(16).next_multiple_of(16) {
+            self.deposits = self.gpu.buffer("photon deposits", bytes, Usage::STORAGE | Usage::COPY_SRC)?;
+        }
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.deposits, 0, None);
+        encoder.clear_buffer(&self.ledger, 0, None);
+        self.gpu.submit(encoder)
+    }
+
+    /// Sends a chunk of photons.
+    pub fn photons(&mut self, mode: PhotonMode, seed: u32, threads: u32, [first_sample, samples]: [u32; 2]) -> Result<(), TraceError> {
+        let entry = Entry::Photons(mode);
+        self.prepare(entry)?;
+        let run = layout::Run {
+            seed,
+            count: threads,
+            samples,
+            first_sample,
+            ..Default::default()
+        };
+        self.dispatch(entry, run, threads)
+    }
+
+    pub(in crate::trace) fn read_photons(&mut self, mode: PhotonMode) -> Result<([i64; book::SLOTS], Vec<u64>), TraceError> {
+        let ledger = self.gpu.read(&self.ledger)?;
+        let mut tally = [0i64; book::SLOTS];
+        for (slot, words) in tally.iter_mut().zip(ledger.chunks_exact(2)) {
+            *slot = join(words[0], words[1]) as i64;
+        }
+        let cells = deposit_cells(&self.model, mode);
+        let words = self.gpu.read(&self.deposits)?;
+        let deposits = words.chunks_exact(2).take(cells).map(|w| join(w[0], w[1])).collect();
+        Ok((tally, deposits))
+    }
+}
+
+fn join(low: u32, high: u32) -> u64 {
+    u64::from(low) | u64::from(high) << 32
+}
+
+fn layout_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}

@@ -1,0 +1,88 @@
+//! What a scene needs of the kernels, and what it leaves out.
+
+use super::model::{Model, Real, Shape, Walls};
+
+/// Pieces of the kernels that a scene needs. The GPU assembles its WGSL from them, the twin branches on them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kernel {
+    /// Representation of deformed interfaces.
+    pub shape: ShapePiece,
+    /// Some layer absorbs.
+    pub absorbing: bool,
+    /// Side walls are clear.
+    pub clear_walls: bool,
+    /// Side walls are mirrors.
+    pub mirror_walls: bool,
+    /// Some interface is rough.
+    pub rough: bool,
+    /// Tissue touches the sensor.
+    pub touched: bool,
+    /// Light spreads sideways in the tissue.
+    pub spreading: bool,
+    /// The share of true contact varies.
+    pub share_grid: bool,
+    /// Some LED has a tabulated pattern.
+    pub led_tables: bool,
+    /// The camera has a lens of finite size.
+    pub lens: bool,
+}
+
+/// Representation of deformed interfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShapePiece {
+    /// Planes only.
+    Plane,
+    /// Spherical cap.
+    Cap,
+    /// B-spline height fields.
+    Field,
+    /// Triangles.
+    Mesh,
+}
+
+impl Kernel {
+    /// The pieces a model needs.
+    pub fn of<T: Real>(model: &Model<T>) -> Self {
+        let zero = T::zero();
+        Self {
+            shape: match model.shape {
+                Shape::Plane => ShapePiece::Plane,
+                Shape::Cap(_) => ShapePiece::Cap,
+                Shape::Field(_) => ShapePiece::Field,
+                Shape::Mesh(_) => ShapePiece::Mesh,
+            },
+            absorbing: model.layers.iter().any(|l| l.absorption > zero),
+            clear_walls: model.walls == Walls::Clear,
+            mirror_walls: model.walls == Walls::Mirror,
+            rough: model.faces.iter().any(|f| f.kind != 0),
+            touched: model.tissue.is_some(),
+            spreading: model.tissue.as_ref().is_some_and(|t| t.spread_d > zero),
+            share_grid: model.tissue.as_ref().is_some_and(|t| !t.grid.is_empty()),
+            led_tables: model.leds.iter().any(|l| l.table.is_some()),
+            lens: model.camera.lens_radius > zero,
+        }
+    }
+
+    /// Whether some interface is deformed.
+    pub fn deformed(&self) -> bool {
+        self.shape != ShapePiece::Plane
+    }
+
+    /// Names of the pieces, and whether each is in.
+    pub fn pieces(&self) -> [(&'static str, bool); 12] {
+        [
+            ("spherical cap", self.shape == ShapePiece::Cap),
+            ("height fields", self.shape == ShapePiece::Field),
+            ("triangle mesh", self.shape == ShapePiece::Mesh),
+            ("absorption", self.absorbing),
+            ("clear walls", self.clear_walls),
+            ("mirror walls", self.mirror_walls),
+            ("roughness", self.rough),
+            ("tissue contact", self.touched),
+            ("sideways spread in tissue", self.spreading),
+            ("contact share grid", self.share_grid),
+            ("tabulated LED patterns", self.led_tables),
+            ("thin lens", self.lens),
+        ]
+    }
+}
