@@ -113,7 +113,7 @@ pub enum Roughness {
 pub struct Led {
     /// The wall it stands at.
     pub wall: Wall,
-    /// Centre along the wall from its middle, mm.
+    /// Centre along the wall from its middle, mm: along y at the x walls, along x at the y walls.
     #[serde(default)]
     pub along_mm: f64,
     /// Height of the centre above the lowest face of the stack, mm.
