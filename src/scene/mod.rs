@@ -4,6 +4,8 @@
 //! lowest layer (the glass); z points up, from the camera to what is touched; x runs along an image row, y against
 //! the columns. Every key names its unit and unknown keys are refused.
 
+#[cfg(test)]
+mod bad_scenes;
 pub mod contact;
 pub mod data_file;
 pub mod error;

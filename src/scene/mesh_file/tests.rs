@@ -183,9 +183,8 @@ proptest! {
         let seeds = [OBJ.into(), STL.into(), binary_stl(), PLY.into(), binary_ply()];
         let mut bytes = mutated(seeds[which].clone(), changes);
         bytes.truncate((bytes.len() as f64 * keep) as usize);
-        let parsers: [fn(&[u8]) -> Result<TriangleMesh, Defect>; 3] = [obj::parse, stl::parse, ply::parse];
-        for parse in parsers {
-            if let Ok(mesh) = parse(&bytes).and_then(checked) {
+        for parsed in [obj::parse(&bytes), stl::parse(&bytes), ply::parse(&bytes)] {
+            if let Ok(mesh) = parsed.and_then(checked) {
                 prop_assert!(mesh.triangles.iter().flatten().all(|&index| (index as usize) < mesh.vertices.len()));
                 prop_assert!(mesh.vertices.iter().flatten().all(|coordinate| coordinate.is_finite()));
             }

@@ -96,3 +96,6 @@ fn render(scene: &Scene) -> Result<(), Invalid> {
         256,
     )
 }
+
+#[cfg(test)]
+mod tests;
