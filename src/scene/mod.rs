@@ -4,12 +4,36 @@
 //! lowest layer (the glass); z points up, from the camera to what is touched; x runs along an image row, y against
 //! the columns. Every key names its unit and unknown keys are refused.
 
+#[cfg(test)]
+mod bad_scenes;
 pub mod contact;
+pub mod data_file;
+pub mod error;
+mod files;
+pub mod ies;
+pub mod load;
+mod locate;
+mod materials;
+pub mod mesh_file;
+pub mod presets;
+pub mod schema;
 pub mod sensor;
+mod structure;
+pub mod table;
+pub mod validate;
 pub mod view;
 
 pub use contact::*;
+pub use data_file::DataFileError;
+pub use error::SceneError;
+pub use ies::{IesTable, read_ies};
+pub use load::{LoadedScene, load, parse};
+pub use mesh_file::{TriangleMesh, read_mesh};
+pub use presets::{PRESETS, preset};
+pub use schema::schema;
 pub use sensor::*;
+pub use table::read_pressure_table;
+pub use validate::{Invalid, validate};
 pub use view::*;
 
 use schemars::JsonSchema;

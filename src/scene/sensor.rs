@@ -66,10 +66,11 @@ pub enum Material {
 }
 
 /// Side walls.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields, tag = "kind")]
 pub enum Walls {
     /// Absorb all light.
+    #[default]
     Black,
     /// Smooth faces against the surround: Snell and Fresnel.
     Clear,
@@ -78,12 +79,6 @@ pub enum Walls {
         /// Share of the light that is reflected, 0 to 1.
         reflectance: f64,
     },
-}
-
-impl Default for Walls {
-    fn default() -> Self {
-        Self::Black
-    }
 }
 
 /// Roughness of an interface.
@@ -113,7 +108,7 @@ pub enum Roughness {
 pub struct Led {
     /// The wall it stands at.
     pub wall: Wall,
-    /// Centre along the wall from its middle, mm.
+    /// Centre along the wall from its middle, mm: along y at the x walls, along x at the y walls.
     #[serde(default)]
     pub along_mm: f64,
     /// Height of the centre above the lowest face of the stack, mm.

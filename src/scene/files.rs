@@ -1,0 +1,25 @@
+//! The files that a scene names.
+
+use super::{Pattern, Pressure, Scene, Shape};
+use std::path::Path;
+
+impl Scene {
+    /// Key and path (as written) of every file that the scene names.
+    pub fn files(&self) -> Vec<(String, &Path)> {
+        let mut files = Vec::new();
+        for (index, led) in self.led.iter().enumerate() {
+            if let Pattern::Ies { file } = &led.pattern {
+                files.push((format!("led[{index}].pattern.file"), file.as_path()));
+            }
+        }
+        if let Shape::HeightMap { file, .. } | Shape::Mesh { file, .. } = &self.touch.shape {
+            files.push(("touch.shape.file".to_owned(), file.as_path()));
+        }
+        if let Some(contact) = &self.touch.contact
+            && let Pressure::Table { file, .. } | Pressure::Map { file, .. } = &contact.pressure
+        {
+            files.push(("touch.contact.pressure.file".to_owned(), file.as_path()));
+        }
+        files
+    }
+}

@@ -1,0 +1,110 @@
+//! Reading a scene file: text, structure, types, rules, and the files it names; the first mistake is the error.
+
+use super::data_file::read_limited;
+use super::error::SceneError;
+use super::locate::{line_at, line_of};
+use super::{Scene, schema, structure, validate};
+use serde::Deserialize as _;
+use sha2::{Digest as _, Sha256};
+use std::path::{Path, PathBuf};
+use toml::de::{DeTable, Deserializer};
+
+/// Largest scene file, bytes. The presets are below 4 KiB; a file of this size is not a scene.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// A valid scene and where it came from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadedScene {
+    /// The scene.
+    pub scene: Scene,
+    /// Folder of the scene file; files named by the scene are relative to it.
+    pub folder: PathBuf,
+    /// SHA-256 of the file's bytes, in hexadecimal.
+    pub sha256: String,
+}
+
+impl LoadedScene {
+    /// Where a file named by the scene lies.
+    pub fn resolve(&self, file: &Path) -> PathBuf {
+        self.folder.join(file)
+    }
+}
+
+/// Reads a scene file.
+///
+/// # Errors
+/// When the file cannot be read, is no scene, breaks a rule, or names a file that does not exist.
+pub fn load(path: &Path) -> Result<LoadedScene, SceneError> {
+    let bytes = read_limited(path, MAX_BYTES).map_err(|error| {
+        SceneError::of_file(
+            error.kind,
+            path,
+            format!(
+                "{}; a scene is a TOML file of some kilobytes",
+                error.message
+            ),
+        )
+    })?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let line = 1 + error
+            .as_bytes()
+            .iter()
+            .take(valid)
+            .filter(|&&byte| byte == b'\n')
+            .count();
+        SceneError::of_file("not_utf8", path, "is not UTF-8; save it as UTF-8 text")
+            .at(Some(line), None)
+    })?;
+    let loaded = parse(&text, path)?;
+    for (key, named) in loaded.scene.files() {
+        let resolved = loaded.resolve(named);
+        if !resolved.is_file() {
+            let line = DeTable::parse(&text)
+                .ok()
+                .map(|document| line_of(&text, document.get_ref(), &key));
+            let message = format!(
+                "names {}, which is not a file; paths are relative to the scene's folder",
+                resolved.display()
+            );
+            return Err(SceneError::of_file("missing_file", path, message).at(line, Some(&key)));
+        }
+    }
+    Ok(loaded)
+}
+
+/// Reads a scene from its text; `origin` is the file it came from, for messages and relative paths.
+///
+/// The files that the scene names are not looked at.
+///
+/// # Errors
+/// When the text is no scene or breaks a rule.
+pub fn parse(text: &str, origin: &Path) -> Result<LoadedScene, SceneError> {
+    let toml_error = |kind: &'static str, error: &toml::de::Error| {
+        let line = error.span().map(|span| line_at(text, span.start));
+        SceneError::of_file(kind, origin, error.message()).at(line, None)
+    };
+    let document = DeTable::parse(text).map_err(|error| toml_error("syntax", &error))?;
+    let at_key = |kind: &'static str, key: &str, message: &str| {
+        let line = line_of(text, document.get_ref(), key);
+        SceneError::of_file(kind, origin, message).at(Some(line), Some(key))
+    };
+    structure::check(document.get_ref(), &schema::schema())
+        .map_err(|fault| at_key(fault.kind, &fault.key, &fault.message))?;
+    let scene = Scene::deserialize(Deserializer::from(document.clone()))
+        .map_err(|error| toml_error("syntax", &error))?;
+    validate::validate(&scene)
+        .map_err(|broken| at_key("invalid_value", &broken.key, &broken.message))?;
+    Ok(LoadedScene {
+        scene,
+        folder: origin.parent().map(Path::to_path_buf).unwrap_or_default(),
+        sha256: Sha256::digest(text.as_bytes())
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect(),
+    })
+}
+
+#[cfg(test)]
+#[path = "load_tests.rs"]
+mod tests;

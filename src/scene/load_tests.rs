@@ -1,0 +1,165 @@
+#![allow(clippy::unwrap_used)]
+use super::*;
+use crate::scene::bad_scenes::{bad, check, text_of};
+use crate::scene::presets::{PRESETS, preset};
+use proptest::prelude::*;
+
+#[test]
+fn every_preset_is_valid_and_bears_its_name() {
+    for (name, _) in PRESETS {
+        let loaded = preset(name).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(loaded.scene.name, *name);
+    }
+}
+
+#[test]
+fn an_unknown_preset_lists_the_known_ones() {
+    let error = preset("tsis").unwrap_err();
+    assert_eq!(error.kind, "unknown_preset");
+    assert!(error.message.contains("tsis-paper"), "{error}");
+}
+
+#[test]
+fn the_hash_is_that_of_the_text() {
+    // SHA-256 changes with a single byte of the file, even one in a comment.
+    let text = text_of("tsis-paper");
+    let one = parse(text, Path::new("a.toml")).unwrap();
+    let other = parse(&format!("{text}#"), Path::new("a.toml")).unwrap();
+    assert_eq!(one.sha256.len(), 64);
+    assert_eq!(one.scene, other.scene);
+    assert_ne!(one.sha256, other.sha256);
+}
+
+#[test]
+fn mistakes_of_structure_name_key_and_line() {
+    #[rustfmt::skip]
+    let wrong = [
+        bad("tsis-paper", "thickness_mm = 3.0", "tickness_mm = 3.0 #!", "unknown_key", "stack.layer[1].tickness_mm", "did you mean thickness_mm?"),
+        bad("tsis-paper", "surround_n = 1.0", "zzz = 1 #!\n", "unknown_key", "stack.zzz", "the keys here are footprint_mm"),
+        bad("tsis-paper", "name = \"tsis-paper\"", "name = \"a\"\nlights = 1 #!", "unknown_key", "lights", "did you mean light?"),
+        bad("tsis-paper", "{ kind = \"clear\" }", "{ kind = \"clear\", reflectance = 0.5 } #!", "unknown_key", "stack.walls.reflectance", "the keys here are kind"),
+        bad("tsis-paper", "{ kind = \"clear\" }", "{ kind = \"cleer\" } #!", "invalid_value", "stack.walls.kind", "did you mean clear?"),
+        bad("tsis-paper", "{ kind = \"clear\" }", "{ } #!", "missing_key", "stack.walls.kind", "\"black\", \"clear\", \"mirror\""),
+        bad("tsis-paper", "{ kind = \"clear\" }", "\"clear\" #!", "wrong_type", "stack.walls", "must be a table with a kind"),
+        bad("tsis-paper", "{ kind = \"clear\" }", "{ kind = \"mirror\" } #!", "missing_key", "stack.walls.reflectance", "give a number"),
+        bad("tsis-paper", "[[stack.layer]]\nname = \"PDMS 1.40\"\nthickness_mm = 3.0", "[[stack.layer]] #!\nname = \"PDMS 1.40\"", "missing_key", "stack.layer[1].thickness_mm", "give a number (Thickness"),
+        bad("tsis-paper", "[light]\nwavelength_nm = 532.0", "[light] #!", "missing_key", "light.wavelength_nm", "give a number"),
+        bad("tsis-paper", "[light]\nwavelength_nm = 532.0", "", "missing_key", "light", "give a table"),
+        bad("tsis-paper", "name = \"tsis-paper\"\n", "", "missing_key", "name", "give a string"),
+        bad("tsis-paper", "name = \"tsis-paper\"", "name = 3 #!", "wrong_type", "name", "must be a string, is 3"),
+        bad("tsis-paper", "thickness_mm = 3.0", "thickness_mm = \"3\" #!", "wrong_type", "stack.layer[1].thickness_mm", "must be a number, is \"3\""),
+        bad("tsis-paper", "thickness_mm = 3.0", "thickness_mm = nan #!", "invalid_value", "stack.layer[1].thickness_mm", "finite"),
+        bad("tsis-paper", "thickness_mm = 3.0", "thickness_mm = -inf #!", "invalid_value", "stack.layer[1].thickness_mm", "finite"),
+        bad("tsis-paper", "thickness_mm = 3.0", "thickness_mm = 1e999 #!", "invalid_value", "stack.layer[1].thickness_mm", "finite"),
+        bad("tsis-paper", "thickness_mm = 3.0", "thickness_mm = 99999999999999999999 #!", "wrong_type", "stack.layer[1].thickness_mm", "must be a number"),
+        bad("tsis-paper", "[30.0, 30.0]", "[30.0] #!", "wrong_type", "stack.footprint_mm", "must have 2 values, has 1"),
+        bad("tsis-paper", "[30.0, 30.0]", "[30.0,\n\"30\"] #!", "wrong_type", "stack.footprint_mm[1]", "must be a number"),
+        bad("tsis-paper", "pixels = [1392, 1042]", "pixels = [1392, 1042.0] #!", "wrong_type", "camera.pixels[1]", "whole number"),
+        bad("tsis-paper", "pixels = [1392, 1042]", "pixels = [-1, 1042] #!", "invalid_value", "camera.pixels[0]", "from 0 to 4294967295"),
+        bad("tsis-paper", "bit_depth = 8", "bit_depth = 5000000000 #!", "invalid_value", "camera.sensor.bit_depth", "from 0 to 4294967295"),
+        bad("tsis-paper", "wall = \"+x\"", "wall = \"x\" #!", "invalid_value", "led[0].wall", "\"+x\", \"-x\", \"+y\", \"-y\""),
+        bad("tsis-paper", "view_axis = \"width\"", "view_axis = 1 #!", "invalid_value", "camera.view_axis", "\"width\""),
+        bad("press-hertz", "n = 1.40\nred", "m = 1.40 #!\nred", "unknown_key", "touch.contact.tissue.m", "the keys here are"),
+    ];
+    wrong.iter().for_each(check);
+}
+
+#[test]
+fn broken_toml_names_the_line() {
+    for (text, line) in [
+        ("name = 'a'\nname = 'b'\n", 2),
+        ("name = 'a'\n\n[light\n", 3),
+        ("name = \n", 1),
+        ("\u{0}", 1),
+    ] {
+        let error = parse(text, Path::new("scene.toml")).unwrap_err();
+        assert_eq!((error.kind, error.line), ("syntax", Some(line)), "{error}");
+        assert_eq!(error.to_string().lines().count(), 1, "{error}");
+    }
+}
+
+#[test]
+fn a_file_that_does_not_exist_is_named_with_its_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    let shape = "{ kind = \"spherical_dent\", depth_mm = 1.0, radius_mm = 4.0 }";
+    let text = text_of("dent-cap").replace(shape, "{ kind = \"mesh\", file = \"plate.obj\" } #!");
+    std::fs::write(&path, &text).unwrap();
+    let error = load(&path).unwrap_err();
+    assert_eq!(
+        (error.kind, error.key.as_deref()),
+        ("missing_file", Some("touch.shape.file"))
+    );
+    assert_eq!(error.line, Some(line_at(&text, text.find("#!").unwrap())));
+    std::fs::write(folder.path().join("plate.obj"), "").unwrap();
+    let loaded = load(&path).unwrap();
+    assert_eq!(
+        loaded.resolve(Path::new("plate.obj")),
+        folder.path().join("plate.obj")
+    );
+}
+
+#[test]
+fn unreadable_large_and_non_utf8_files_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    assert_eq!(load(&path).unwrap_err().kind, "io");
+    assert_eq!(load(folder.path()).unwrap_err().kind, "io");
+    std::fs::write(&path, b"# ok\nname = \"\xff\"\n").unwrap();
+    let error = load(&path).unwrap_err();
+    assert_eq!((error.kind, error.line), ("not_utf8", Some(2)));
+    std::fs::write(&path, vec![b'#'; MAX_BYTES as usize + 1]).unwrap();
+    assert_eq!(load(&path).unwrap_err().kind, "too_large");
+}
+
+#[test]
+fn a_scene_survives_the_way_to_toml_and_back() {
+    for (name, _) in PRESETS {
+        let scene = preset(name).unwrap().scene;
+        let text = toml::to_string(&scene).unwrap();
+        assert_eq!(
+            parse(&text, Path::new("s.toml")).unwrap().scene,
+            scene,
+            "{name}"
+        );
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_text_makes_the_parser_panic(text in "\\PC{0,200}") {
+        let _ = parse(&text, Path::new("s.toml"));
+    }
+
+    #[test]
+    fn no_mutated_preset_makes_the_parser_panic(
+        which in 0..PRESETS.len(),
+        changes in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..6),
+    ) {
+        let mut bytes = PRESETS[which].1.as_bytes().to_vec();
+        for (at, byte) in changes {
+            let at = at % bytes.len();
+            bytes[at] = byte;
+        }
+        if let Err(error) = parse(&String::from_utf8_lossy(&bytes), Path::new("s.toml")) {
+            prop_assert_eq!(error.to_string().lines().count(), 1);
+        }
+    }
+
+    #[test]
+    fn no_swapped_value_makes_the_parser_panic(
+        which in 0..PRESETS.len(),
+        line in any::<usize>(),
+        value in prop_oneof!["-?[0-9]{1,25}", "-?[0-9]{1,3}e-?[0-9]{1,3}", "nan", "-inf", "\"[a-z]{0,9}\"", "\\[\\]", "\\{ \\}"],
+    ) {
+        let mut lines: Vec<String> = PRESETS[which].1.lines().map(str::to_owned).collect();
+        let at = line % lines.len();
+        if let Some((key, _)) = lines[at].clone().split_once('=') {
+            lines[at] = format!("{key}= {value}");
+        }
+        if let Err(error) = parse(&lines.join("\n"), Path::new("s.toml")) {
+            prop_assert_eq!(error.to_string().lines().count(), 1);
+            prop_assert!(error.line.is_some());
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! Structure of a scene file: every table against the JSON schema of its type.
+//!
+//! Serde reads the same types, but through a buffer where a table is told by its `kind`: there it forgets the place of
+//! a mistake, and beside a `kind` without fields it lets unknown keys pass. The schema is made from the same types, so
+//! this check names key, line and what would be right, and refuses what serde would overlook.
+
+use serde_json::Value;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A mistake of structure.
+pub(super) struct Fault {
+    pub kind: &'static str,
+    pub key: String,
+    pub message: String,
+}
+
+impl Fault {
+    fn new(kind: &'static str, key: &str, message: String) -> Self {
+        Self {
+            kind,
+            key: key.to_owned(),
+            message,
+        }
+    }
+}
+
+/// Checks keys, types and finiteness of a whole scene document.
+pub(super) fn check(document: &DeTable<'_>, schema: &Value) -> Result<(), Fault> {
+    Walk { root: schema }.table("", document, schema)
+}
+
+struct Walk<'s> {
+    root: &'s Value,
+}
+
+impl<'s> Walk<'s> {
+    /// Follows references, and the present side of what may be absent.
+    fn resolve(&self, mut schema: &'s Value) -> &'s Value {
+        loop {
+            let pointer = schema
+                .get("$ref")
+                .and_then(Value::as_str)
+                .and_then(|r| r.strip_prefix('#'));
+            let target = pointer.and_then(|p| self.root.pointer(p)).or_else(|| {
+                let any = schema.get("anyOf")?.as_array()?;
+                any.iter()
+                    .find(|one| one.get("type").and_then(Value::as_str) != Some("null"))
+            });
+            match target {
+                Some(inner) => schema = inner,
+                None => return schema,
+            }
+        }
+    }
+
+    fn value(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        described: &'s Value,
+    ) -> Result<(), Fault> {
+        let schema = self.resolve(described);
+        let value = value.get_ref();
+        if let Some(choices) = schema.get("oneOf").and_then(Value::as_array) {
+            return self.choice(key, value, choices);
+        }
+        let fits = match (type_name(schema), value) {
+            ("object", DeValue::Table(table)) => return self.table(key, table, schema),
+            ("array", DeValue::Array(items)) => {
+                let length = |bound: &str| schema.get(bound).and_then(Value::as_u64);
+                if length("minItems").is_some_and(|n| (items.len() as u64) < n)
+                    || length("maxItems").is_some_and(|n| items.len() as u64 > n)
+                {
+                    let wanted = length("minItems").unwrap_or(0);
+                    let message = format!(
+                        "must have {wanted} values, has {}{}",
+                        items.len(),
+                        meaning(described)
+                    );
+                    return Err(Fault::new("wrong_type", key, message));
+                }
+                let item_schema = schema.get("items").unwrap_or(&Value::Null);
+                for (index, item) in items.iter().enumerate() {
+                    self.value(&format!("{key}[{index}]"), item, item_schema)?;
+                }
+                true
+            }
+            ("number", DeValue::Float(number)) => {
+                if !number.as_str().parse().is_ok_and(f64::is_finite) {
+                    let message =
+                        format!("must be a finite number, is {number}{}", meaning(described));
+                    return Err(Fault::new("invalid_value", key, message));
+                }
+                true
+            }
+            ("number", DeValue::Integer(number)) => {
+                in_range(number, i64::MIN.into(), i64::MAX.into())
+            }
+            ("integer", DeValue::Integer(number)) => {
+                let most = if schema.get("format").and_then(Value::as_str) == Some("uint32") {
+                    u32::MAX.into()
+                } else {
+                    // Integers of a TOML file are signed 64-bit.
+                    i64::MAX.into()
+                };
+                if !in_range(number, 0, most) {
+                    let message = format!(
+                        "must be a whole number from 0 to {most}, is {number}{}",
+                        meaning(described)
+                    );
+                    return Err(Fault::new("invalid_value", key, message));
+                }
+                true
+            }
+            ("string", DeValue::String(_)) | ("boolean", DeValue::Boolean(_)) => true,
+            _ => false,
+        };
+        if fits {
+            return Ok(());
+        }
+        let message = format!(
+            "must be {}, is {}{}",
+            wanted(schema),
+            shown(value),
+            meaning(described)
+        );
+        Err(Fault::new("wrong_type", key, message))
+    }
+
+    fn table(&self, key: &str, table: &DeTable<'_>, schema: &'s Value) -> Result<(), Fault> {
+        let Some(properties) = schema.get("properties").and_then(Value::as_object) else {
+            return Ok(());
+        };
+        let path = |name: &str| {
+            if key.is_empty() {
+                name.to_owned()
+            } else {
+                format!("{key}.{name}")
+            }
+        };
+        for (name, value) in table {
+            let Some(property) = properties.get(name.get_ref().as_ref()) else {
+                let names: Vec<&str> = properties.keys().map(String::as_str).collect();
+                let message = format!(
+                    "unknown key{}; the keys here are {}",
+                    did_you_mean(name.get_ref(), &names),
+                    names.join(", ")
+                );
+                return Err(Fault::new("unknown_key", &path(name.get_ref()), message));
+            };
+            self.value(&path(name.get_ref()), value, property)?;
+        }
+        let required = schema
+            .get("required")
+            .and_then(Value::as_array)
+            .into_iter()
+            .flatten();
+        for name in required.filter_map(Value::as_str) {
+            if !table.iter().any(|(present, _)| present.get_ref() == name) {
+                let property = properties.get(name).unwrap_or(&Value::Null);
+                let message = format!(
+                    "is missing; give {}{}",
+                    wanted(self.resolve(property)),
+                    meaning(property)
+                );
+                return Err(Fault::new("missing_key", &path(name), message));
+            }
+        }
+        Ok(())
+    }
+
+    /// One of several names, or one of several tables told apart by their `kind`.
+    fn choice(&self, key: &str, value: &DeValue<'_>, choices: &'s [Value]) -> Result<(), Fault> {
+        let names: Vec<&str> = choices.iter().filter_map(choice_name).collect();
+        let tagged = choices.iter().any(|one| one.get("properties").is_some());
+        let (key_of_name, name) = match value {
+            DeValue::Table(table) if tagged => {
+                let kind_key = format!("{key}.kind");
+                match table
+                    .iter()
+                    .find(|(present, _)| present.get_ref() == "kind")
+                {
+                    Some((_, kind)) => (kind_key, kind.get_ref()),
+                    None => {
+                        let message = format!("is missing; give one of {}", quoted(&names));
+                        return Err(Fault::new("missing_key", &kind_key, message));
+                    }
+                }
+            }
+            _ if tagged => {
+                let example = names.first().unwrap_or(&"");
+                let message = format!(
+                    "must be a table with a kind ({}), is {}; for example {{ kind = \"{example}\" }}",
+                    quoted(&names),
+                    shown(value)
+                );
+                return Err(Fault::new("wrong_type", key, message));
+            }
+            _ => (key.to_owned(), value),
+        };
+        let chosen = choices.iter().find(|one| choice_name(one) == name.as_str());
+        match (chosen, value) {
+            (Some(schema), DeValue::Table(table)) if name.as_str().is_some() => {
+                self.table(key, table, schema)
+            }
+            (Some(_), _) if name.as_str().is_some() => Ok(()),
+            _ => {
+                let hint = name
+                    .as_str()
+                    .map(|name| did_you_mean(name, &names))
+                    .unwrap_or_default();
+                let message = format!(
+                    "must be one of {}, is {}{hint}",
+                    quoted(&names),
+                    shown(name)
+                );
+                Err(Fault::new("invalid_value", &key_of_name, message))
+            }
+        }
+    }
+}
+
+fn choice_name(choice: &Value) -> Option<&str> {
+    choice
+        .pointer("/properties/kind/const")
+        .or_else(|| choice.get("const"))?
+        .as_str()
+}
+
+fn type_name(schema: &Value) -> &str {
+    match schema.get("type") {
+        Some(Value::String(name)) => name,
+        Some(Value::Array(names)) => names
+            .iter()
+            .filter_map(Value::as_str)
+            .find(|n| *n != "null")
+            .unwrap_or(""),
+        _ => "",
+    }
+}
+
+fn in_range(number: &toml::de::DeInteger<'_>, least: i128, most: i128) -> bool {
+    i128::from_str_radix(number.as_str(), number.radix()).is_ok_and(|n| (least..=most).contains(&n))
+}
+
+/// What a schema wants, in words.
+fn wanted(schema: &Value) -> String {
+    if let Some(choices) = schema.get("oneOf").and_then(Value::as_array) {
+        let names: Vec<&str> = choices.iter().filter_map(choice_name).collect();
+        let tagged = choices.iter().any(|one| one.get("properties").is_some());
+        let lead = if tagged {
+            "a table with a kind of"
+        } else {
+            "one of"
+        };
+        return format!("{lead} {}", quoted(&names));
+    }
+    match type_name(schema) {
+        "object" => "a table",
+        "array" => "a list",
+        "number" => "a number",
+        "integer" => "a whole number",
+        "boolean" => "true or false",
+        _ => "a string",
+    }
+    .to_owned()
+}
+
+/// The documentation of a key, as the end of a message.
+fn meaning(schema: &Value) -> String {
+    match schema.get("description").and_then(Value::as_str) {
+        Some(text) => format!(" ({})", text.trim_end_matches('.').replace('\n', " ")),
+        None => String::new(),
+    }
+}
+
+/// A value as a message shows it; long ones by their type alone.
+fn shown(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::String(text) if text.chars().count() <= 40 => format!("{:?}", text.as_ref()),
+        DeValue::Integer(number) => number.to_string(),
+        DeValue::Float(number) => number.to_string(),
+        DeValue::Boolean(flag) => flag.to_string(),
+        DeValue::String(_) => "a long string".to_owned(),
+        DeValue::Array(_) => "a list".to_owned(),
+        DeValue::Table(_) => "a table".to_owned(),
+        DeValue::Datetime(_) => "a date".to_owned(),
+    }
+}
+
+fn quoted(names: &[&str]) -> String {
+    names
+        .iter()
+        .map(|name| format!("\"{name}\""))
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// The nearest right name, when the wrong one looks like a slip of it.
+fn did_you_mean(wrong: &str, names: &[&str]) -> String {
+    // Jaro-Winkler above 0.8 is the threshold clap uses for its own hints.
+    names
+        .iter()
+        .map(|name| (strsim::jaro_winkler(wrong, name), name))
+        .filter(|(likeness, _)| *likeness > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| format!(" (did you mean {name}?)"))
+        .unwrap_or_default()
+}

@@ -1,0 +1,101 @@
+//! The rules that a scene keeps beyond its structure: ranges, and parts that fit together.
+//!
+//! Every rule names one key, what it must be and a value that would do. The order is that of the file; the first
+//! broken rule is the error.
+
+mod bounds;
+mod camera;
+mod contact;
+mod led;
+mod shape;
+mod stack;
+
+use super::{Integrator, Scene, Shape};
+use bounds::{POSITIVE, number, whole};
+
+/// A rule that a scene breaks.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{key}: {message}")]
+pub struct Invalid {
+    /// Path of the key, as in `stack.layer[1].thickness_mm`.
+    pub key: String,
+    /// What the value must be, what it is, and one that would do.
+    pub message: String,
+}
+
+impl Invalid {
+    fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
+        Self {
+            key: key.into(),
+            message: message.into(),
+        }
+    }
+}
+
+/// Checks every rule; for scenes made in memory as well as for those read from a file.
+///
+/// # Errors
+/// The first rule that the scene breaks.
+pub fn validate(scene: &Scene) -> Result<(), Invalid> {
+    name(&scene.name)?;
+    number(
+        "light.wavelength_nm",
+        scene.light.wavelength_nm,
+        200.0..=2000.0,
+        532.0,
+    )?;
+    stack::check(scene)?;
+    led::check(scene)?;
+    camera::check(&scene.camera)?;
+    shape::check(scene)?;
+    contact::check(scene)?;
+    render(scene)
+}
+
+/// The name becomes a folder of the output.
+fn name(name: &str) -> Result<(), Invalid> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) || name.len() > 100 {
+        return Err(Invalid::new(
+            "name",
+            "must be a plain folder name of at most 100 letters, digits, '-', '_' and '.', not starting with '.'; \
+             for example \"tsis-dent\"",
+        ));
+    }
+    Ok(())
+}
+
+fn render(scene: &Scene) -> Result<(), Invalid> {
+    /// Texels along the longer side of the irradiance map: 4096^2 counters of 8 bytes are 128 MiB.
+    const MAX_TEXELS: f64 = 4096.0;
+    let render = &scene.render;
+    if render.integrator == Integrator::Splat && scene.touch.shape != Shape::Flat {
+        return Err(Invalid::new(
+            "render.integrator",
+            "splat needs a flat stack and touch.shape deforms it; use \"auto\", \"path\" or \"map\"",
+        ));
+    }
+    whole("render.spp", render.spp.into(), 1..=1 << 24, 64)?;
+    if let Some(photons) = render.photons {
+        whole("render.photons", photons, 1..=1 << 40, 1 << 20)?;
+    }
+    number("render.map_texel_mm", render.map_texel_mm, POSITIVE, 0.25)?;
+    let longest = scene.stack.footprint_mm[0].max(scene.stack.footprint_mm[1]);
+    if longest / render.map_texel_mm > MAX_TEXELS {
+        let message = format!(
+            "must be at least {} (a map of at most {MAX_TEXELS} texels across), is {}; for example 0.25",
+            longest / MAX_TEXELS,
+            render.map_texel_mm
+        );
+        return Err(Invalid::new("render.map_texel_mm", message));
+    }
+    whole(
+        "render.height_field_points",
+        render.height_field_points.into(),
+        16..=2048,
+        256,
+    )
+}
+
+#[cfg(test)]
+mod tests;
