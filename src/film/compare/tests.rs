@@ -24,6 +24,25 @@ impl Noise {
     }
 }
 
+/// A film of counted light: each replicate of a pixel a Poisson number of mean `count` (Knuth's product of uniforms).
+fn counted(seed: u64, size: [u32; 2], count: f64) -> Film {
+    let mut noise = Noise(seed);
+    let mut sums = BlockAccumulator::new(size[0], size[1]);
+    for _ in 0..REPLICATES {
+        let mut pixel = || {
+            let (mut events, mut product) = (0.0, noise.uniform());
+            while product > (-count).exp() {
+                events += 1.0;
+                product *= noise.uniform();
+            }
+            events
+        };
+        let image: Vec<f64> = (0..size[0] * size[1]).map(|_| pixel()).collect();
+        sums.add(&image).unwrap();
+    }
+    sums.finish()
+}
+
 /// A film of `truth` with relative noise of its pixels `error`; squares of `patch` pixels share their noise.
 fn film(
     seed: u64,
@@ -165,6 +184,16 @@ fn sparse_light_is_judged_in_blocks_only() {
     assert_eq!(result.tests[2].cells, 0);
     assert!(result.tests[3].cells == 4 && result.tests[4].cells == 1);
     assert!(result.passed);
+}
+
+#[test]
+fn cells_near_the_least_light_are_not_chosen_by_their_own_noise() {
+    // 16 replicates of 7.5: 120 contributions a pixel.
+    let [a, b] = [1, 2].map(|seed| counted(seed, [64, 64], 7.5));
+    let pixels = compare(&a, &b, 1e-3).unwrap().tests[0];
+    // Standard deviation of the mean of 4096 squares: sqrt(2/4096) = 0.022; a choice by own variance gives 1.15.
+    assert!(pixels.cells > 3500, "{pixels:?}");
+    assert!((pixels.chi2 / pixels.dof - 1.0).abs() < 0.09, "{pixels:?}");
 }
 
 #[test]
