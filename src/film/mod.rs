@@ -1,7 +1,12 @@
-//! Sums of light: an image with its variance, and the flux ledger.
+//! Sums of light: an image with its variance, the sums of its blocks, and the flux ledger.
 
+pub mod blocks;
+pub mod compare;
 pub mod ledger;
+mod tails;
 
+pub use blocks::{BlockAccumulator, BlockLevel, Inflation};
+pub use compare::{Comparison, compare};
 pub use ledger::Ledger;
 
 /// A linear radiance image in W/(m^2 sr), row 0 at positive y, column 0 at negative x.
@@ -17,4 +22,7 @@ pub struct Film {
     pub variance: Vec<f32>,
     /// Independent replicates behind the variance (0: unknown).
     pub replicates: u32,
+    /// Means over blocks of pixels and their variances, for the edges of [`blocks::EDGES`] in that order.
+    /// Empty: unknown, and pixels count as independent.
+    pub blocks: Vec<BlockLevel>,
 }

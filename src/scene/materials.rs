@@ -91,6 +91,16 @@ impl Stack {
     pub fn height_mm(&self) -> f64 {
         self.layer.iter().map(|layer| layer.thickness_mm).sum()
     }
+
+    /// Heights of the undeformed interfaces, lowest face first (0), touched face last, mm.
+    pub fn interface_heights_mm(&self) -> Vec<f64> {
+        let mut height = 0.0;
+        let above = self.layer.iter().rev().map(|layer| {
+            height += layer.thickness_mm;
+            height
+        });
+        std::iter::once(0.0).chain(above).collect()
+    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::{Cap, HeightField, Mesh, Surface};
 use crate::image_io::grid;
-use crate::scene::{Inner, LoadedScene, Normals, Shape, mesh_file, table};
+use crate::scene::{Inner, LoadedScene, Normals, Shape, read_mesh, read_pressure_table};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -13,7 +13,7 @@ pub enum SurfaceError {
     #[error("{key}: {file}: {message}")]
     File {
         /// Key of the scene that names the file.
-        key: &'static str,
+        key: String,
         /// The file.
         file: PathBuf,
         /// What is wrong.
@@ -106,8 +106,8 @@ fn fields(loaded: &LoadedScene, field: &HeightField, share: &[f64]) -> Result<Su
 fn mesh(loaded: &LoadedScene, file: &Path, normals: Normals) -> Result<Surface, SurfaceError> {
     let key = "touch.shape.file";
     let path = loaded.folder.join(file);
-    let wrong = |message: String| SurfaceError::File { key, file: path.clone(), message };
-    let read = mesh_file::read_mesh(&path).map_err(|e| wrong(e.to_string()))?;
+    let wrong = |message: String| SurfaceError::File { key: key.into(), file: path.clone(), message };
+    let read = read_mesh(&path).map_err(|e| wrong(e.to_string()))?;
     let mesh = Mesh::build(&read.vertices, &read.triangles, normals == Normals::Smooth)
         .ok_or_else(|| wrong("no usable triangle".into()))?;
     let scene = &loaded.scene;
@@ -128,7 +128,7 @@ fn mesh(loaded: &LoadedScene, file: &Path, normals: Normals) -> Result<Surface, 
 /// A grid file of the scene with row 0 at negative y (files have it at positive y).
 pub(super) fn read_grid(loaded: &LoadedScene, file: &Path, key: &'static str) -> Result<grid::Grid, SurfaceError> {
     let path = loaded.folder.join(file);
-    let mut grid = grid::read_grid(&path).map_err(|e| SurfaceError::File { key, file: path, message: e.to_string() })?;
+    let mut grid = grid::read_grid(&path).map_err(|e| SurfaceError::File { key: key.into(), file: path, message: e.to_string() })?;
     let columns = grid.columns.max(1);
     grid.values = grid.values.chunks(columns).rev().flatten().copied().collect();
     Ok(grid)
@@ -136,8 +136,8 @@ pub(super) fn read_grid(loaded: &LoadedScene, file: &Path, key: &'static str) ->
 
 pub(super) fn read_table(loaded: &LoadedScene, file: &Path) -> Result<Vec<[f64; 2]>, SurfaceError> {
     let path = loaded.folder.join(file);
-    table::read_table(&path).map_err(|e| SurfaceError::File {
-        key: "touch.contact.pressure.file",
+    read_pressure_table(&path).map_err(|e| SurfaceError::File {
+        key: "touch.contact.pressure.file".into(),
         file: path,
         message: e.to_string(),
     })

@@ -31,7 +31,7 @@ impl ContactLaw {
             Self::Full => f64::from(p > 0.0),
             // Persson 2001 (J. Chem. Phys. 115, 3840): erf(sqrt 2 p / (E* h')).
             Self::Persson { reduced_modulus_kpa, rms_slope } => {
-                puruspe::erf(std::f64::consts::SQRT_2 * p / (reduced_modulus_kpa * rms_slope))
+                statrs::function::erf::erf(std::f64::consts::SQRT_2 * p / (reduced_modulus_kpa * rms_slope))
             }
             Self::GreenwoodWilliamson { pressure_scale_kpa } => -(-p / pressure_scale_kpa).exp_m1(),
             Self::PerssonUnloading { reduced_modulus_kpa, rms_slope, peak_ratio, hold_kpa } => {

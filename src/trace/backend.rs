@@ -36,6 +36,9 @@ pub enum TraceError {
         /// All photons.
         sent: u64,
     },
+    /// Too much light was cut off.
+    #[error("{0:.1e} of the light was cut off by the cap on interactions; the image cannot be trusted")]
+    Truncated(f64),
     /// The user stopped it.
     #[error("stopped; nothing was written")]
     Stopped,

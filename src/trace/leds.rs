@@ -1,7 +1,8 @@
 //! LEDs as the tracers see them.
 
 use super::model::Real;
-use crate::scene::{self, LoadedScene, Mount, Pattern, SceneError, Wall, ies::IesTable};
+use crate::scene::{self, IesTable, LoadedScene, Mount, Pattern, Wall, read_ies};
+use crate::surface::SurfaceError;
 use std::f64::consts::{PI, TAU};
 
 /// Cells of an intensity table along sin^2(theta) and along the azimuth.
@@ -63,7 +64,7 @@ pub(super) struct Lit {
 }
 
 /// LEDs of a scene with their radiances relative to the brightest and their powers in that unit.
-pub(super) fn leds(loaded: &LoadedScene, heights: &[f64]) -> Result<Lit, SceneError> {
+pub(super) fn leds(loaded: &LoadedScene) -> Result<Lit, SurfaceError> {
     let mut leds = Vec::new();
     let mut tables = Vec::new();
     let mut powers = Vec::new();
@@ -72,7 +73,6 @@ pub(super) fn leds(loaded: &LoadedScene, heights: &[f64]) -> Result<Lit, SceneEr
         leds.push(l);
         powers.push(power);
     }
-    debug_assert!(!heights.is_empty());
     let unit = leds.iter().map(|l: &Led<f64>| l.radiance).fold(0.0, f64::max);
     let total: f64 = powers.iter().sum();
     let mut sum = 0.0;
@@ -85,7 +85,7 @@ pub(super) fn leds(loaded: &LoadedScene, heights: &[f64]) -> Result<Lit, SceneEr
 }
 
 /// One LED and its power in W/m^2 times mm^2, that is uW.
-fn one(loaded: &LoadedScene, led: &scene::Led, k: usize, tables: &mut Vec<[f64; 2]>) -> Result<(Led<f64>, f64), SceneError> {
+fn one(loaded: &LoadedScene, led: &scene::Led, k: usize, tables: &mut Vec<[f64; 2]>) -> Result<(Led<f64>, f64), SurfaceError> {
     let radius = 0.5 * led.diameter_mm;
     let area = PI * radius * radius;
     let cos_cutoff = led.cutoff_half_angle_deg.map_or(0.0, |a| a.to_radians().cos());
@@ -97,12 +97,17 @@ fn one(loaded: &LoadedScene, led: &scene::Led, k: usize, tables: &mut Vec<[f64; 
             cosine_power(-(2f64.ln()) / half_power_deg.to_radians().cos().ln(), cos_cutoff)
         }
         Pattern::Ies { file } => {
-            let read = IesTable::read(&loaded.folder.join(file))
-                .map_err(|e| loaded.error(&format!("led[{k}].pattern.file"), e.to_string()))?;
+            let path = loaded.resolve(file);
+            let wrong = |message: String| SurfaceError::File {
+                key: format!("led[{k}].pattern.file"),
+                file: path.clone(),
+                message,
+            };
+            let read = read_ies(&path).map_err(|e| wrong(e.to_string()))?;
             table = Some(tables.len());
             let (entries, projected) = tabulate(&read, cos_cutoff);
             if projected <= 0.0 {
-                return Err(loaded.error(&format!("led[{k}].pattern.file"), "emits nothing inside the cut-off cone".into()));
+                return Err(wrong("emits nothing inside the cut-off cone".into()));
             }
             tables.extend(entries);
             (1.0, 1.0, projected)

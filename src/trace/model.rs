@@ -6,7 +6,7 @@
 use super::leds::{self, Led};
 use crate::optics::{fresnel, tissue};
 use crate::scene::{self, LoadedScene, Roughness};
-use crate::surface::{ContactMap, Surface};
+use crate::surface::{ContactMap, Surface, SurfaceError};
 use num_traits::{Float, FromPrimitive};
 use std::f64::consts::PI;
 
@@ -212,14 +212,14 @@ pub struct Model<T> {
 
 impl Model<f64> {
     /// Builds the model of a validated scene.
-    pub fn new(loaded: &LoadedScene, surface: &Surface, contact: Option<ContactMap>) -> Result<Self, scene::SceneError> {
+    pub fn new(loaded: &LoadedScene, surface: &Surface, contact: Option<ContactMap>) -> Result<Self, SurfaceError> {
         let scene = &loaded.scene;
         let n_0 = scene.stack.surround_n;
         let layers = layers(scene);
         let heights = scene.stack.interface_heights_mm();
         let (shape, shares) = shape(surface, heights.len());
         let faces = faces(scene, surface, &layers, &heights, &shares);
-        let lit = leds::leds(loaded, &heights)?;
+        let lit = leds::leds(loaded)?;
         let n_top = layers[layers.len() - 2].n;
         let tissue = match (&scene.touch.contact, contact) {
             (Some(c), Some(map)) => Some(tissue_of(&c.tissue, map, n_top, n_0)),

@@ -1,0 +1,97 @@
+//! Grids of numbers: height fields, pressures, phase patterns, from EXR, PNG, TIFF or CSV.
+
+use super::exr_chunks::with_exr;
+use super::grey::{from_exr, has_extension, is_exr, read_levels};
+use super::{ImageError, limits};
+use std::path::Path;
+
+/// A rectangle of finite numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// Columns.
+    pub columns: u32,
+    /// Rows.
+    pub rows: u32,
+    /// Row-major, row 0 first in the file.
+    pub values: Vec<f64>,
+}
+
+/// Reads a grid: the first channel of an EXR, the grey of a PNG or TIFF with full scale as 1, or a CSV of numbers
+/// without a heading.
+///
+/// # Errors
+/// When the file is missing, damaged, too large, of unequal rows, or holds what is not a finite number.
+pub fn read_grid(path: &Path) -> Result<Grid, ImageError> {
+    if has_extension(path, "csv") {
+        return read_csv(path);
+    }
+    let grey = match is_exr(path) {
+        true => with_exr(path, |file| {
+            from_exr(
+                path,
+                [file.header.width, file.header.height],
+                &file.channel(0)?,
+            )
+        })?,
+        false => read_levels(path)?,
+    };
+    let scale = grey.full_scale.unwrap_or(1.0);
+    let values = grey.values.iter().map(|value| value / scale).collect();
+    Ok(Grid {
+        columns: grey.width,
+        rows: grey.height,
+        values,
+    })
+}
+
+fn read_csv(path: &Path) -> Result<Grid, ImageError> {
+    let damaged = |reason: String| ImageError::Damaged {
+        path: path.into(),
+        reason,
+    };
+    let bytes = limits::read_file(path)?;
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(bytes.as_slice());
+    let (mut values, mut columns, mut rows) = (Vec::new(), 0, 0);
+    for record in reader.records() {
+        let record = record.map_err(|error| damaged(error.to_string()))?;
+        rows += 1;
+        if rows == 1 {
+            columns = record.len();
+        }
+        if record.len() != columns {
+            let reason = format!(
+                "row {rows} has {} numbers, the first row {columns}",
+                record.len()
+            );
+            return Err(damaged(reason));
+        }
+        limits::check_size(path, columns as u64, rows as u64)?;
+        for (column, field) in record.iter().enumerate() {
+            values.push(number(path, rows, column + 1, field)?);
+        }
+    }
+    if values.is_empty() {
+        return Err(damaged("it has no numbers".into()));
+    }
+    Ok(Grid {
+        columns: columns as u32,
+        rows: rows as u32,
+        values,
+    })
+}
+
+fn number(path: &Path, row: usize, column: usize, field: &str) -> Result<f64, ImageError> {
+    let number = field.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| ImageError::Value {
+        path: path.into(),
+        row,
+        column,
+        // A cell can be as long as the file; enough of it to be found is kept.
+        found: format!("`{}`", field.chars().take(40).collect::<String>()),
+        right: "a finite number",
+    })
+}

@@ -1,0 +1,231 @@
+//! Replicates: independent estimates of the whole image, traced in chunks of well under a second.
+
+use super::backend::{Backend, CameraMode, PhotonMode, TraceError};
+use super::cpu::{UNIT, book, camera::FILM_UNIT, photons::DEPOSIT_UNIT, random::pcg3d};
+use super::model::Model;
+use super::plan::Method;
+use crate::film::Ledger;
+use std::time::Instant;
+
+/// Threads that share the photons of a replicate.
+const THREADS: u32 = 1 << 14;
+/// Most photons of one thread in one chunk: the shader's ledger counts 2^20 units each in 32 signed bits.
+const THREAD_PHOTONS: u32 = 1024;
+/// Aim for one chunk, seconds: a desktop stays usable and a stop is answered.
+const CHUNK_SECONDS: f64 = 0.15;
+
+/// Work of one replicate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Work {
+    /// Camera paths per pixel.
+    pub spp: u32,
+    /// Photons (rounded up to whole threads).
+    pub photons: u64,
+}
+
+/// Called between chunks with the share of the replicate done and the stage; false stops the work.
+pub type Observer<'a> = dyn FnMut(f64, &'static str) -> bool + 'a;
+
+/// Sums over replicates beside the image.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Totals {
+    /// Camera paths.
+    pub paths: u64,
+    /// Photons.
+    pub photons: u64,
+    /// Segments of both.
+    pub segments: u64,
+    /// Ledger, in its units.
+    pub tally: [i64; book::SLOTS],
+}
+
+impl Totals {
+    /// The ledger as shares of the emitted power.
+    pub fn ledger(&self) -> Ledger {
+        let sent = self.tally[book::EMITTED].max(1) as f64;
+        let share = |slot: usize| self.tally[slot] as f64 / sent;
+        let parts = [book::ABSORBED, book::TOP, book::BOTTOM, book::SIDES, book::DETECTED, book::TERMINATED, book::ROULETTE];
+        let found: i64 = parts.iter().map(|&slot| self.tally[slot]).sum();
+        Ledger {
+            emitted: share(book::EMITTED),
+            absorbed: share(book::ABSORBED),
+            escaped_top: share(book::TOP),
+            escaped_bottom: share(book::BOTTOM),
+            escaped_sides: share(book::SIDES),
+            detected: share(book::DETECTED),
+            terminated: share(book::TERMINATED),
+            roulette: share(book::ROULETTE),
+            residual: (self.tally[book::EMITTED] - found) as f64 / sent,
+        }
+    }
+
+    /// Lost photons.
+    pub fn lost(&self) -> u64 {
+        self.tally[book::LOST].max(0) as u64
+    }
+}
+
+/// Adapts the size of chunks to the machine.
+#[derive(Debug, Clone, Copy)]
+pub struct Pacer {
+    camera: f64,
+    photons: f64,
+}
+
+impl Default for Pacer {
+    fn default() -> Self {
+        Self {
+            camera: 65_536.0,
+            photons: 65_536.0,
+        }
+    }
+}
+
+fn adapt(pace: &mut f64, done: u64, seconds: f64) {
+    let aim = done as f64 * CHUNK_SECONDS / seconds.max(1e-4);
+    *pace = aim.clamp(*pace * 0.5, *pace * 4.0).clamp(4096.0, 1e9);
+}
+
+/// Everything that one replicate needs.
+pub struct Batch<'a> {
+    /// The scene.
+    pub model: &'a Model<f64>,
+    /// The backend with the scene loaded.
+    pub backend: &'a mut Backend,
+    /// How light is found.
+    pub method: Method,
+    /// Seed of the render.
+    pub seed: u32,
+    /// Paces chunks.
+    pub pacer: Pacer,
+    /// Sums over the replicates so far.
+    pub totals: Totals,
+}
+
+impl Batch<'_> {
+    /// Computes replicate `index`: radiance in W/(m^2 sr), row-major.
+    pub fn replicate(&mut self, index: u32, work: Work, observe: &mut Observer) -> Result<Vec<f64>, TraceError> {
+        let unit = self.model.unit_radiance * self.model.surround_n * self.model.surround_n;
+        match self.method {
+            Method::Path => self.camera(CameraMode::Path, index, work.spp, unit, observe),
+            Method::Map => {
+                let (deposits, sent) = self.photons(PhotonMode::Map, index, work.photons, observe)?;
+                let texels = exitance(self.model, &deposits, sent);
+                self.backend.set_exitance(&texels)?;
+                self.camera(CameraMode::Mapped, index, work.spp, unit, observe)
+            }
+            Method::Splat => {
+                let (deposits, sent) = self.photons(PhotonMode::Splat, index, work.photons, observe)?;
+                let mut image = self.camera(CameraMode::Complement, index, work.spp, unit, observe)?;
+                let each = self.model.power * self.model.unit_radiance / sent as f64 / DEPOSIT_UNIT;
+                image.iter_mut().zip(deposits).for_each(|(v, d)| *v += d as f64 * each);
+                Ok(image)
+            }
+        }
+    }
+
+    /// Sends photons for the ledger alone.
+    pub fn ledger(&mut self, photons: u64, observe: &mut Observer) -> Result<(), TraceError> {
+        self.photons(PhotonMode::Ledger, u32::MAX, photons, observe).map(|_| ())
+    }
+
+    fn camera(&mut self, mode: CameraMode, index: u32, spp: u32, unit: f64, observe: &mut Observer) -> Result<Vec<f64>, TraceError> {
+        let pixels = self.model.camera.size[0] * self.model.camera.size[1];
+        let seed = stream(self.seed, index, 0);
+        self.backend.clear_film()?;
+        let total = f64::from(pixels) * f64::from(spp);
+        let (mut sample, mut pixel) = (0, 0);
+        while sample < spp {
+            let pace = self.pacer.camera as u64;
+            let samples = (pace / u64::from(pixels)).clamp(1, u64::from(spp - sample)) as u32;
+            let count = if samples > 1 { pixels } else { pace.min(u64::from(pixels - pixel)).min(1 << 21) as u32 };
+            let samples = if pixel > 0 || count < pixels { 1 } else { samples };
+            let start = Instant::now();
+            self.backend.camera(mode, seed, [pixel, count], [sample, samples])?;
+            adapt(&mut self.pacer.camera, u64::from(count) * u64::from(samples), start.elapsed().as_secs_f64());
+            pixel += count;
+            if pixel >= pixels {
+                pixel = 0;
+                sample += samples;
+            }
+            let done = (f64::from(sample) * f64::from(pixels) + f64::from(pixel)) / total;
+            if !observe(done, "camera paths") {
+                return Err(TraceError::Stopped);
+            }
+        }
+        let (sums, segments) = self.backend.read_film()?;
+        self.totals.paths += u64::from(pixels) * u64::from(spp);
+        self.totals.segments += segments;
+        let each = unit / f64::from(spp) / FILM_UNIT;
+        Ok(sums.into_iter().map(|s| s as f64 * each).collect())
+    }
+
+    /// Returns the deposits in their units, and the photons sent.
+    fn photons(&mut self, mode: PhotonMode, index: u32, photons: u64, observe: &mut Observer) -> Result<(Vec<u64>, u64), TraceError> {
+        let threads = photons.clamp(1, u64::from(THREADS)) as u32;
+        let each = photons.div_ceil(u64::from(threads)).min(u64::from(u32::MAX)) as u32;
+        let seed = stream(self.seed, index, 1);
+        self.backend.clear_photons(mode)?;
+        let mut sample = 0;
+        while sample < each {
+            let pace = (self.pacer.photons as u64 / u64::from(threads)).max(1);
+            let samples = pace.min(u64::from(THREAD_PHOTONS)).min(u64::from(each - sample)) as u32;
+            let start = Instant::now();
+            self.backend.photons(mode, seed, threads, [sample, samples])?;
+            adapt(&mut self.pacer.photons, u64::from(threads) * u64::from(samples), start.elapsed().as_secs_f64());
+            sample += samples;
+            if !observe(f64::from(sample) / f64::from(each), "photons") {
+                return Err(TraceError::Stopped);
+            }
+        }
+        let (tally, deposits) = self.backend.read_photons(mode)?;
+        let sent = u64::from(threads) * u64::from(each);
+        debug_assert_eq!(tally[book::EMITTED], (sent as f64 * UNIT) as i64);
+        self.totals.photons += sent;
+        self.totals.segments += tally[book::SEGMENTS].max(0) as u64;
+        self.totals.tally.iter_mut().zip(tally).for_each(|(sum, v)| *sum += v);
+        Ok((deposits, sent))
+    }
+}
+
+/// Seed of a replicate's stream.
+fn stream(seed: u32, replicate: u32, which: u32) -> u32 {
+    pcg3d([seed, replicate, which])[0]
+}
+
+/// Deposits as fluxes in film units (times mm^2) beside the tissue's area in each texel, mm^2.
+fn exitance(model: &Model<f64>, deposits: &[u64], sent: u64) -> Vec<[f64; 4]> {
+    let [columns, rows] = model.map_size;
+    let size = [2.0 * model.half_size[0] / columns as f64, 2.0 * model.half_size[1] / rows as f64];
+    let each = model.power / sent as f64 / DEPOSIT_UNIT;
+    (0..columns * rows)
+        .map(|k| {
+            let low = [
+                (k % columns) as f64 * size[0] - model.half_size[0],
+                (k / columns) as f64 * size[1] - model.half_size[1],
+            ];
+            let area = size[0] * size[1] * tissue_share(model, low, size);
+            [deposits[2 * k] as f64 * each, area, deposits[2 * k + 1] as f64 * each, area]
+        })
+        .collect()
+}
+
+/// Share of a texel that lies under tissue, by 16 x 16 points where the tissue's rim may cross it.
+fn tissue_share(model: &Model<f64>, low: [f64; 2], size: [f64; 2]) -> f64 {
+    let Some(tissue) = &model.tissue else {
+        return 0.0;
+    };
+    let inside = |fx: f64, fy: f64| {
+        let (dx, dy) = (low[0] + fx * size[0] - tissue.center[0], low[1] + fy * size[1] - tissue.center[1]);
+        dx * dx + dy * dy <= tissue.radius_sq
+    };
+    let middle = [low[0] + 0.5 * size[0] - tissue.center[0], low[1] + 0.5 * size[1] - tissue.center[1]];
+    let distance = (middle[0].hypot(middle[1]) - tissue.radius_sq.sqrt()).abs();
+    if distance > 0.5 * size[0].hypot(size[1]) {
+        return f64::from(u8::from(inside(0.5, 0.5)));
+    }
+    let steps = 16;
+    let at = |k: usize| (k as f64 + 0.5) / steps as f64;
+    let hits = (0..steps * steps).filter(|k| inside(at(k % steps), at(k / steps))).count();
+    hits as f64 / (steps * steps) as f64
+}

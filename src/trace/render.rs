@@ -1,0 +1,194 @@
+//! From a model to a film with its error, its ledger and what it cost.
+
+use super::backend::{Backend, BackendChoice, Precision, TraceError};
+use super::batch::{Batch, Pacer, Totals, Work};
+use super::kernel::Kernel;
+use super::model::Model;
+use super::plan::Plan;
+use crate::film::{BlockAccumulator, Film, Ledger};
+use crate::scene::Integrator;
+use std::time::Instant;
+
+/// Fewest replicates behind an error estimate.
+pub const REPLICATES: u32 = 16;
+/// Photons of the ledger where the method sends none of its own.
+const LEDGER_PHOTONS: u64 = 1 << 20;
+/// Largest share of photons that may get lost.
+const LOST_TOLERANCE: f64 = 1e-6;
+/// Largest share of the light that may be cut off by the cap on interactions.
+const TERMINATED_TOLERANCE: f64 = 1e-4;
+
+/// How to render.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// Method asked for.
+    pub integrator: Integrator,
+    /// Camera paths per pixel; rounded up to whole replicates of at least one.
+    pub spp: u32,
+    /// Photons; `None`: as many as camera paths, and at least 2^20.
+    pub photons: Option<u64>,
+    /// Budget of tracing time after compilation, seconds; replaces `spp`.
+    pub seconds: Option<f64>,
+    /// Relative error to reach; replaces `spp`.
+    pub target_error: Option<f64>,
+    /// Seed.
+    pub seed: u32,
+    /// Backend.
+    pub backend: BackendChoice,
+    /// Precision of the CPU twin.
+    pub precision: Precision,
+}
+
+/// Where a render stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stage {
+    /// Share of the work done, 0 to 1.
+    pub done: f64,
+    /// What is being done.
+    pub what: &'static str,
+}
+
+/// A finished render.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// The image with its variance.
+    pub film: Film,
+    /// Where the light went.
+    pub ledger: Ledger,
+    /// Method and reason.
+    pub plan: Plan,
+    /// Backend.
+    pub backend: &'static str,
+    /// Adapter.
+    pub adapter: String,
+    /// Why the CPU was taken, where a GPU was not found.
+    pub notice: Option<String>,
+    /// Camera paths.
+    pub paths: u64,
+    /// Photons.
+    pub photons: u64,
+    /// Segments of both.
+    pub segments: u64,
+    /// Camera paths per pixel.
+    pub spp: u64,
+    /// Tracing time after compilation, seconds.
+    pub seconds: f64,
+    /// Time to open the device and build kernels, seconds.
+    pub setup_seconds: f64,
+    /// Mean radiance of the image, W/(m^2 sr).
+    pub mean_radiance: f64,
+    /// Root-mean-square standard error over the lit pixels over their mean; `None` for a dark image.
+    pub relative_error: Option<f64>,
+}
+
+/// Renders a model. `observe` is called between chunks; false stops the work.
+pub fn render(model: &Model<f64>, settings: &Settings, observe: &mut dyn FnMut(Stage) -> bool) -> Result<Outcome, TraceError> {
+    let plan = Plan::choose(settings.integrator, &Kernel::of(model))?;
+    let start = Instant::now();
+    let (mut backend, notice) = Backend::open(settings.backend, settings.precision, model)?;
+    let mut batch = Batch {
+        model,
+        backend: &mut backend,
+        method: plan.method,
+        seed: settings.seed,
+        pacer: Pacer::default(),
+        totals: Totals::default(),
+    };
+    let mut work = Work {
+        spp: settings.spp.div_ceil(REPLICATES),
+        photons: photons(settings, model, settings.spp).div_ceil(u64::from(REPLICATES)),
+    };
+    // A throw-away pilot of one path per pixel compiles the kernels and measures the machine.
+    let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
+    let pilot = Work { spp: 1, photons: work.photons.min(pixels) };
+    batch.replicate(u32::MAX, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| observe(Stage { done: 0.0, what: "compiling kernels" }))?;
+    let setup_seconds = start.elapsed().as_secs_f64();
+    batch.totals = Totals::default();
+    let start = Instant::now();
+    if let Some(budget) = settings.seconds {
+        let timer = Instant::now();
+        batch.replicate(u32::MAX, pilot, &mut |_, _| observe(Stage { done: 0.0, what: "measuring the machine" }))?;
+        batch.totals = Totals::default();
+        let scale = (budget / timer.elapsed().as_secs_f64() / f64::from(REPLICATES) / 1.5).clamp(1.0, 1e6);
+        work = Work {
+            spp: scale as u32,
+            photons: (pilot.photons as f64 * scale) as u64,
+        };
+    }
+    let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
+    let needs_ledger = batch.method == super::plan::Method::Path;
+    let limit = settings.target_error.map_or(REPLICATES, |_| 1 << 16);
+    let mut index = 0;
+    let mut longest = 0.0f64;
+    loop {
+        let timer = Instant::now();
+        let replicate = batch.replicate(index, work, &mut |part, what| {
+            let done = match settings.seconds {
+                Some(budget) => start.elapsed().as_secs_f64() / budget,
+                None => (f64::from(index) + part) / f64::from(REPLICATES.max(index + 1)),
+            };
+            observe(Stage { done: done.min(1.0), what })
+        })?;
+        sum.add(&replicate).map_err(|e| TraceError::Driver(e.to_string()))?;
+        index += 1;
+        longest = longest.max(timer.elapsed().as_secs_f64());
+        let enough = match (settings.seconds, settings.target_error) {
+            (Some(budget), _) => index >= 2 && start.elapsed().as_secs_f64() + longest > budget,
+            (None, Some(target)) => index >= REPLICATES && relative_error(&sum.finish()).is_none_or(|e| e <= target),
+            (None, None) => index >= REPLICATES,
+        };
+        if enough || index >= limit && settings.seconds.is_none() {
+            break;
+        }
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    if needs_ledger {
+        batch.ledger(LEDGER_PHOTONS, &mut |_, _| observe(Stage { done: 1.0, what: "flux ledger" }))?;
+    }
+    let totals = batch.totals;
+    let ledger = totals.ledger();
+    if totals.lost() as f64 > LOST_TOLERANCE * totals.photons as f64 {
+        return Err(TraceError::Lost { lost: totals.lost(), sent: totals.photons });
+    }
+    if ledger.terminated > TERMINATED_TOLERANCE {
+        return Err(TraceError::Truncated(ledger.terminated));
+    }
+    let film = sum.finish();
+    let mean_radiance = film.mean.iter().map(|&v| f64::from(v)).sum::<f64>() / film.mean.len() as f64;
+    Ok(Outcome {
+        relative_error: relative_error(&film),
+        mean_radiance,
+        film,
+        ledger,
+        plan,
+        backend: backend.name(),
+        adapter: backend.adapter(),
+        notice,
+        paths: totals.paths,
+        photons: totals.photons,
+        segments: totals.segments,
+        spp: totals.paths / pixels,
+        seconds,
+        setup_seconds,
+    })
+}
+
+fn photons(settings: &Settings, model: &Model<f64>, spp: u32) -> u64 {
+    let paths = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]) * u64::from(spp);
+    settings.photons.unwrap_or_else(|| paths.max(LEDGER_PHOTONS))
+}
+
+/// Root-mean-square standard error over the lit pixels (above 0.3 of the 99th percentile), over their mean.
+pub fn relative_error(film: &Film) -> Option<f64> {
+    let mut sorted = film.mean.clone();
+    sorted.sort_by(f32::total_cmp);
+    let percentile = *sorted.get(sorted.len().saturating_sub(1) * 99 / 100)?;
+    let lit = film.mean.iter().zip(&film.variance).filter(|(m, _)| **m > 0.3 * percentile);
+    let (mut count, mut mean, mut variance) = (0.0, 0.0, 0.0);
+    for (&m, &v) in lit {
+        count += 1.0;
+        mean += f64::from(m);
+        variance += f64::from(v);
+    }
+    (mean > 0.0).then(|| (variance / count).sqrt() / (mean / count))
+}
