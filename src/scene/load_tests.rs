@@ -59,6 +59,7 @@ fn mistakes_of_structure_name_key_and_line() {
         bad("tsis-paper", "bit_depth = 8", "bit_depth = 5000000000 #!", "invalid_value", "camera.sensor.bit_depth", "from 0 to 4294967295"),
         bad("tsis-paper", "wall = \"+x\"", "wall = \"x\" #!", "invalid_value", "led[0].wall", "\"+x\", \"-x\", \"+y\", \"-y\""),
         bad("tsis-paper", "view_axis = \"width\"", "view_axis = 1 #!", "invalid_value", "camera.view_axis", "\"width\""),
+        bad("tsis-paper", "[camera]", "[kamera] #!", "unknown_key", "kamera", "did you mean camera?"),
         bad("press-hertz", "n = 1.40\nred", "m = 1.40 #!\nred", "unknown_key", "touch.contact.tissue.m", "the keys here are"),
     ];
     wrong.iter().for_each(check);

@@ -139,8 +139,9 @@ impl<'s> Walk<'s> {
                 format!("{key}.{name}")
             }
         };
-        for (name, value) in table {
-            let Some(property) = properties.get(name.get_ref().as_ref()) else {
+        // A misspelt table would otherwise show first as what is missing or wrong elsewhere.
+        for (name, _) in table {
+            if !properties.contains_key(name.get_ref().as_ref()) {
                 let names: Vec<&str> = properties.keys().map(String::as_str).collect();
                 let message = format!(
                     "unknown key{}; the keys here are {}",
@@ -148,8 +149,12 @@ impl<'s> Walk<'s> {
                     names.join(", ")
                 );
                 return Err(Fault::new("unknown_key", &path(name.get_ref()), message));
-            };
-            self.value(&path(name.get_ref()), value, property)?;
+            }
+        }
+        for (name, value) in table {
+            if let Some(property) = properties.get(name.get_ref().as_ref()) {
+                self.value(&path(name.get_ref()), value, property)?;
+            }
         }
         let required = schema
             .get("required")
@@ -258,7 +263,10 @@ fn wanted(schema: &Value) -> String {
     }
     match type_name(schema) {
         "object" => "a table",
-        "array" => "a list",
+        "array" => match schema.get("minItems") {
+            Some(count) => return format!("a list of {count} values"),
+            None => "a list",
+        },
         "number" => "a number",
         "integer" => "a whole number",
         "boolean" => "true or false",
