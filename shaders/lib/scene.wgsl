@@ -63,8 +63,8 @@ struct Face {
 
 @group(0) @binding(0) var<uniform> scene: Scene;
 @group(0) @binding(1) var<uniform> run: Run;
-@group(0) @binding(2) var<uniform> layers: array<Layer, 34>;
-@group(0) @binding(3) var<uniform> faces: array<Face, 33>;
+@group(0) @binding(2) var<storage, read> layers: array<Layer>;
+@group(0) @binding(3) var<storage, read> faces: array<Face>;
 
 override DEFORMED: bool = false;
 override ABSORBING: bool = false;

@@ -60,12 +60,7 @@ impl Grid {
             0 => (1, 1),
             edge => (width.div_ceil(edge), height.div_ceil(edge)),
         };
-        Self {
-            edge,
-            columns,
-            rows,
-            width,
-        }
+        Self { edge, columns, rows, width }
     }
 
     fn cells(&self) -> usize {
@@ -77,10 +72,7 @@ impl Grid {
         let mut sums = vec![0.0; self.cells()];
         let width = self.width.max(1);
         for (pixel, value) in (0_u64..).zip(values) {
-            let (x, y) = (
-                (pixel % u64::from(width)) as u32,
-                (pixel / u64::from(width)) as u32,
-            );
+            let (x, y) = ((pixel % u64::from(width)) as u32, (pixel / u64::from(width)) as u32);
             let block = match self.edge {
                 0 => 0,
                 edge => (y / edge) as usize * self.columns as usize + (x / edge) as usize,
@@ -107,10 +99,7 @@ struct Running {
 
 impl Running {
     fn new(cells: usize) -> Self {
-        Self {
-            mean: vec![0.0; cells],
-            m2: vec![0.0; cells],
-        }
+        Self { mean: vec![0.0; cells], m2: vec![0.0; cells] }
     }
 
     fn add(&mut self, count: u32, values: impl Iterator<Item = f64>) {
@@ -129,11 +118,7 @@ impl Running {
     /// Variance of the mean; 0 where one replicate cannot tell.
     fn variance(&self, count: u32) -> Vec<f32> {
         let n = f64::from(count);
-        let scale = if count > 1 {
-            1.0 / (n * (n - 1.0))
-        } else {
-            0.0
-        };
+        let scale = if count > 1 { 1.0 / (n * (n - 1.0)) } else { 0.0 };
         self.m2.iter().map(|&m2| (m2 * scale) as f32).collect()
     }
 }
@@ -164,19 +149,9 @@ impl BlockAccumulator {
             let grid = Grid::new(width, height, edge);
             let pixels = grid.sums(std::iter::repeat_n(1.0, cells));
             let running = Running::new(pixels.len());
-            Level {
-                grid,
-                pixels,
-                running,
-            }
+            Level { grid, pixels, running }
         });
-        Self {
-            width,
-            height,
-            count: 0,
-            pixels: Running::new(cells),
-            levels: levels.into(),
-        }
+        Self { width, height, count: 0, pixels: Running::new(cells), levels: levels.into() }
     }
 
     /// Adds one replicate: radiances in W/(m^2 sr), row-major.
@@ -186,19 +161,13 @@ impl BlockAccumulator {
     pub fn add(&mut self, replicate: &[f64]) -> Result<(), ReplicateSize> {
         let expected = self.width as usize * self.height as usize;
         if replicate.len() != expected {
-            return Err(ReplicateSize {
-                expected,
-                found: replicate.len(),
-            });
+            return Err(ReplicateSize { expected, found: replicate.len() });
         }
         self.count += 1;
         self.pixels.add(self.count, replicate.iter().copied());
         for level in &mut self.levels {
             let sums = level.grid.sums(replicate.iter().copied());
-            let means = sums
-                .iter()
-                .zip(&level.pixels)
-                .map(|(sum, pixels)| sum / pixels);
+            let means = sums.iter().zip(&level.pixels).map(|(sum, pixels)| sum / pixels);
             level.running.add(self.count, means);
         }
         Ok(())
@@ -244,18 +213,10 @@ impl Film {
             let independent = independent_variances(self, level.edge);
             let pairs = level.variance.iter().zip(&independent);
             let lit = pairs.filter(|(_, independent)| **independent > 0.0);
-            let ratios =
-                lit.map(|(&measured, &by_pixel)| (f64::from(measured) / by_pixel, by_pixel));
-            weighted_median(ratios.collect())
-                .map_or(1.0, |median| (median / median_over_mean).max(1.0))
+            let ratios = lit.map(|(&measured, &by_pixel)| (f64::from(measured) / by_pixel, by_pixel));
+            weighted_median(ratios.collect()).map_or(1.0, |median| (median / median_over_mean).max(1.0))
         };
-        self.blocks
-            .iter()
-            .map(|level| Inflation {
-                edge: level.edge,
-                factor: factor(level),
-            })
-            .collect()
+        self.blocks.iter().map(|level| Inflation { edge: level.edge, factor: factor(level) }).collect()
     }
 
     /// This film with blocks made from its pixels: variances as of independent pixels times the `inflation` of their
@@ -266,10 +227,7 @@ impl Film {
             let grid = Grid::new(self.width, self.height, edge);
             let pixels = grid.sums(std::iter::repeat_n(1.0, self.mean.len()));
             let sums = grid.sums(self.mean.iter().map(|&mean| f64::from(mean)));
-            let means = sums
-                .iter()
-                .zip(&pixels)
-                .map(|(sum, pixels)| (sum / pixels.max(1.0)) as f32);
+            let means = sums.iter().zip(&pixels).map(|(sum, pixels)| (sum / pixels.max(1.0)) as f32);
             let given = inflation.iter().find(|entry| entry.edge == edge);
             let factor = given.map_or(1.0, |entry| entry.factor);
             let variances = independent_variances(&self, edge);
@@ -278,10 +236,7 @@ impl Film {
                 columns: grid.columns,
                 rows: grid.rows,
                 mean: means.collect(),
-                variance: variances
-                    .iter()
-                    .map(|variance| (variance * factor) as f32)
-                    .collect(),
+                variance: variances.iter().map(|variance| (variance * factor) as f32).collect(),
             }
         };
         self.blocks = EDGES.map(level).into();
@@ -294,10 +249,7 @@ fn independent_variances(film: &Film, edge: u32) -> Vec<f64> {
     let grid = Grid::new(film.width, film.height, edge);
     let pixels = grid.sums(std::iter::repeat_n(1.0, film.variance.len()));
     let sums = grid.sums(film.variance.iter().map(|&variance| f64::from(variance)));
-    sums.iter()
-        .zip(&pixels)
-        .map(|(sum, pixels)| sum / (pixels * pixels).max(1.0))
-        .collect()
+    sums.iter().zip(&pixels).map(|(sum, pixels)| sum / (pixels * pixels).max(1.0)).collect()
 }
 
 /// The value that splits the total weight in halves, from pairs of value and weight.
@@ -330,16 +282,8 @@ mod tests {
         assert_eq!(film.variance, [1.0, 1.0, 1.0, 1.0, 4.0]);
         let four = &film.blocks[0];
         assert_eq!((four.columns, four.rows), (2, 1));
-        assert_eq!(
-            four.mean,
-            [2.0, 6.0],
-            "the cut block averages its one pixel"
-        );
-        assert_eq!(
-            four.variance,
-            [1.0, 4.0],
-            "pixels that move together keep their variance"
-        );
+        assert_eq!(four.mean, [2.0, 6.0], "the cut block averages its one pixel");
+        assert_eq!(four.variance, [1.0, 4.0], "pixels that move together keep their variance");
         // Whole image: (4 * 1 + 8) / 5 and (4 * 3 + 4) / 5.
         assert_eq!(film.blocks[3].mean, [2.8]);
     }
@@ -347,13 +291,7 @@ mod tests {
     #[test]
     fn a_replicate_of_another_size_is_refused() {
         let mut sums = BlockAccumulator::new(2, 2);
-        assert_eq!(
-            sums.add(&[0.0; 3]),
-            Err(ReplicateSize {
-                expected: 4,
-                found: 3
-            })
-        );
+        assert_eq!(sums.add(&[0.0; 3]), Err(ReplicateSize { expected: 4, found: 3 }));
     }
 
     #[test]
@@ -366,36 +304,19 @@ mod tests {
         let median_over_mean = (1.0_f64 - 2.0 / 63.0).powi(3);
         for (entry, pixels) in film.inflation().iter().zip([16.0, 256.0, 256.0, 256.0]) {
             // f32 variances: 6e-8 relative, summed over 256.
-            assert!(
-                (entry.factor * median_over_mean / pixels - 1.0).abs() < 1e-5,
-                "{entry:?}"
-            );
+            assert!((entry.factor * median_over_mean / pixels - 1.0).abs() < 1e-5, "{entry:?}");
         }
-        let again = Film {
-            blocks: Vec::new(),
-            ..film.clone()
-        }
-        .with_blocks(&film.inflation());
+        let again = Film { blocks: Vec::new(), ..film.clone() }.with_blocks(&film.inflation());
         let ratio = again.blocks[1].variance[0] / film.blocks[1].variance[0];
         assert!((f64::from(ratio) * median_over_mean - 1.0).abs() < 1e-5);
     }
 
     #[test]
     fn independent_pixels_have_a_factor_of_one() {
-        let film = Film {
-            width: 8,
-            height: 8,
-            mean: vec![1.0; 64],
-            variance: vec![0.5; 64],
-            ..Film::default()
-        };
+        let film = Film { width: 8, height: 8, mean: vec![1.0; 64], variance: vec![0.5; 64], ..Film::default() };
         assert!(film.inflation().is_empty());
         let film = film.with_blocks(&[]);
         assert_eq!(film.blocks[3].variance, [0.5 / 64.0]);
-        assert!(
-            film.blocks
-                .iter()
-                .all(|level| level.mean.iter().all(|&mean| mean == 1.0))
-        );
+        assert!(film.blocks.iter().all(|level| level.mean.iter().all(|&mean| mean == 1.0)));
     }
 }

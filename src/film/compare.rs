@@ -141,12 +141,7 @@ pub fn compare(a: &Film, b: &Film, level: f64) -> Result<Comparison, CompareErro
     let (a, b) = (Side::new(a, "first")?, Side::new(b, "second")?);
     let mut tests = Vec::new();
     for edge in std::iter::once(1).chain(EDGES) {
-        tests.push(test_level(
-            a.cells(edge)?,
-            b.cells(edge)?,
-            edge,
-            correlation(&a, &b, edge),
-        ));
+        tests.push(test_level(a.cells(edge)?, b.cells(edge)?, edge, correlation(&a, &b, edge)));
     }
     let tested = tests.iter().filter(|test| test.cells > 0).count().max(1);
     let share = tails::sidak(level, 1.0 / tested as f64);
@@ -189,11 +184,7 @@ impl<'a> Side<'a> {
             check(&block.mean, &block.variance, name)?;
         }
         let inflation = film.inflation();
-        Ok(Self {
-            film,
-            name,
-            inflation,
-        })
+        Ok(Self { film, name, inflation })
     }
 
     fn cells(&self, edge: u32) -> Result<Cells<'_>, CompareError> {
@@ -216,12 +207,7 @@ impl<'a> Side<'a> {
             0 => 1,
             edge => self.film.width.div_ceil(edge),
         };
-        Ok(Cells {
-            columns,
-            mean,
-            variance,
-            freedom,
-        })
+        Ok(Cells { columns, mean, variance, freedom })
     }
 
     fn factor(&self, edge: u32) -> f64 {
@@ -232,13 +218,7 @@ impl<'a> Side<'a> {
 
 fn check(means: &[f32], variances: &[f32], film: &'static str) -> Result<(), CompareError> {
     let fault = |what, right, found: Option<(usize, &f32)>| match found {
-        Some((index, &value)) => Err(CompareError::Value {
-            film,
-            what,
-            value,
-            index,
-            right,
-        }),
+        Some((index, &value)) => Err(CompareError::Value { film, what, value, index, right }),
         None => Ok(()),
     };
     if means.len() != variances.len() {
@@ -247,11 +227,7 @@ fn check(means: &[f32], variances: &[f32], film: &'static str) -> Result<(), Com
     let wrong_mean = means.iter().enumerate().find(|(_, mean)| !mean.is_finite());
     fault("mean", "finite", wrong_mean)?;
     let wrong = |variance: &f32| !(variance.is_finite() && *variance >= 0.0);
-    fault(
-        "variance",
-        "finite and not negative",
-        variances.iter().enumerate().find(|(_, v)| wrong(v)),
-    )
+    fault("variance", "finite and not negative", variances.iter().enumerate().find(|(_, v)| wrong(v)))
 }
 
 /// The cells of one film at one level.
@@ -275,11 +251,7 @@ impl Cells<'_> {
     fn iter(&self) -> impl Iterator<Item = Cell> {
         let pairs = self.mean.iter().zip(self.variance);
         let freedom = self.freedom;
-        pairs.map(move |(&mean, &variance)| Cell {
-            mean: mean.into(),
-            variance: variance.into(),
-            freedom,
-        })
+        pairs.map(move |(&mean, &variance)| Cell { mean: mean.into(), variance: variance.into(), freedom })
     }
 
     fn first(&self) -> Cell {
@@ -314,10 +286,7 @@ impl Tiles {
     fn new(columns: u32, cells: usize) -> Self {
         let columns = columns.max(1) as usize;
         let cells = [columns, cells.div_ceil(columns).max(1)];
-        Self {
-            cells,
-            tiles: cells.map(|cells| (cells / TILE).max(1)),
-        }
+        Self { cells, tiles: cells.map(|cells| (cells / TILE).max(1)) }
     }
 
     fn count(&self) -> usize {
@@ -332,21 +301,16 @@ impl Tiles {
 
 /// How many cells of this level vary together, the larger of both films.
 fn correlation(a: &Side, b: &Side, edge: u32) -> f64 {
-    let larger = EDGES
-        .iter()
-        .filter(|&&other| edge != 0 && (other == 0 || other > edge));
+    let larger = EDGES.iter().filter(|&&other| edge != 0 && (other == 0 || other > edge));
     let ratio = |side: &Side, other: u32| side.factor(other) / side.factor(edge);
-    larger
-        .map(|&other| ratio(a, other).max(ratio(b, other)))
-        .fold(1.0, f64::max)
+    larger.map(|&other| ratio(a, other).max(ratio(b, other))).fold(1.0, f64::max)
 }
 
 fn test_level(a: Cells, b: Cells, edge: u32, correlation: f64) -> LevelTest {
     let weights = a.weights().into_iter().zip(b.weights());
     let (mut cells, mut squares, mut smallest) = (0_usize, 0.0, 1.0_f64);
     for ((a, b), (weight_a, weight_b)) in a.iter().zip(b.iter()).zip(weights) {
-        let weights =
-            [weight_a.or(weight_b), weight_b.or(weight_a)].map(|weight| weight.unwrap_or(0.0));
+        let weights = [weight_a.or(weight_b), weight_b.or(weight_a)].map(|weight| weight.unwrap_or(0.0));
         if let Some(p) = test_cell(a, b, weights, edge == 0) {
             cells += 1;
             squares += tails::normal_deviate(p).powi(2);
@@ -363,20 +327,8 @@ fn test_level(a: Cells, b: Cells, edge: u32, correlation: f64) -> LevelTest {
             tails::sidak(by_largest.min(by_squares), 2.0)
         }
     };
-    let max_z = if cells == 0 {
-        0.0
-    } else {
-        tails::normal_deviate(smallest)
-    };
-    LevelTest {
-        edge,
-        cells,
-        max_z,
-        chi2,
-        dof,
-        p_value,
-        passed: true,
-    }
+    let max_z = if cells == 0 { 0.0 } else { tails::normal_deviate(smallest) };
+    LevelTest { edge, cells, max_z, chi2, dof, p_value, passed: true }
 }
 
 /// The two-sided probability of a cell's difference; none where it is dark in both films or has too little light.
@@ -386,11 +338,7 @@ fn test_cell(mut a: Cell, mut b: Cell, weights: [f64; 2], always: bool) -> Optio
         return None;
     }
     let light = (a.mean + b.mean) / 2.0;
-    if !always
-        && weights
-            .iter()
-            .any(|weight| light < MIN_CONTRIBUTIONS * weight)
-    {
+    if !always && weights.iter().any(|weight| light < MIN_CONTRIBUTIONS * weight) {
         return None;
     }
     for (cell, weight) in [&mut a, &mut b].into_iter().zip(weights) {
@@ -404,10 +352,7 @@ fn test_cell(mut a: Cell, mut b: Cell, weights: [f64; 2], always: bool) -> Optio
     if difference == 0.0 {
         return Some(1.0);
     }
-    Some(tails::two_sided(
-        difference / variance.sqrt(),
-        welch(variance, a, b),
-    ))
+    Some(tails::two_sided(difference / variance.sqrt(), welch(variance, a, b)))
 }
 
 /// Degrees of freedom of a difference of two cells (Welch 1947).
@@ -423,28 +368,14 @@ fn ratio(a: Cell, b: Cell) -> Option<Ratio> {
     }
     let value = b.mean / a.mean;
     // The derivatives of b/a turn both into variances of the ratio.
-    let of_a = Cell {
-        variance: a.variance * (value / a.mean).powi(2),
-        ..a
-    };
-    let of_b = Cell {
-        variance: b.variance / (a.mean * a.mean),
-        ..b
-    };
+    let of_a = Cell { variance: a.variance * (value / a.mean).powi(2), ..a };
+    let of_b = Cell { variance: b.variance / (a.mean * a.mean), ..b };
     let variance = of_a.variance + of_b.variance;
     if variance == 0.0 {
-        return Some(Ratio {
-            value,
-            low: value,
-            high: value,
-        });
+        return Some(Ratio { value, low: value, high: value });
     }
     let half = tails::quantile_95(welch(variance, of_a, of_b)) * variance.sqrt();
-    Some(Ratio {
-        value,
-        low: value - half,
-        high: value + half,
-    })
+    Some(Ratio { value, low: value - half, high: value + half })
 }
 
 #[cfg(test)]

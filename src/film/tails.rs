@@ -51,10 +51,7 @@ mod tests {
     #[test]
     fn tails_are_those_of_the_tables() {
         let close = |found: f64, expected: f64| {
-            assert!(
-                (found / expected - 1.0).abs() < 1e-8,
-                "{found} is not {expected}"
-            );
+            assert!((found / expected - 1.0).abs() < 1e-8, "{found} is not {expected}");
         };
         close(two_sided(2.131_449_546, 15.0), 0.05);
         close(two_sided(-6.0, f64::INFINITY), 1.973_175_290e-9);

@@ -26,22 +26,14 @@ impl<'a> ExrFile<'a> {
         let refused = |refusal| refuse(path, refusal);
         let header = exr_header::read(file).map_err(refused)?;
         let chunks = read_chunks(&header, file).map_err(refused)?;
-        Ok(Self {
-            path,
-            header,
-            chunks,
-        })
+        Ok(Self { path, header, chunks })
     }
 
     /// The values of one channel, row-major.
     pub fn channel(&self, index: usize) -> Result<Vec<f32>, ImageError> {
-        let damaged = |reason: String| ImageError::Damaged {
-            path: self.path.into(),
-            reason,
-        };
+        let damaged = |reason: String| ImageError::Damaged { path: self.path.into(), reason };
         let meta = self.meta_data();
-        let size_of =
-            |channel: &exr_header::Channel| channel.kind.bytes_per_sample() * self.header.width;
+        let size_of = |channel: &exr_header::Channel| channel.kind.bytes_per_sample() * self.header.width;
         let before: usize = self.header.channels.iter().take(index).map(size_of).sum();
         let line: usize = self.header.channels.iter().map(size_of).sum();
         let Some(channel) = self.header.channels.get(index) else {
@@ -54,16 +46,11 @@ impl<'a> ExrFile<'a> {
                 y_coordinate: (number * lines_per_chunk) as i32,
                 compressed_pixels_le: compressed.to_vec(),
             };
-            let chunk = Chunk {
-                layer_index: 0,
-                compressed_block: CompressedBlock::ScanLine(block),
-            };
+            let chunk = Chunk { layer_index: 0, compressed_block: CompressedBlock::ScanLine(block) };
             let block = UncompressedBlock::decompress_chunk(chunk, &meta, false);
             let block = block.map_err(|error| damaged(format!("chunk {number}: {error}")))?;
             for bytes in block.data.chunks_exact(line) {
-                let samples = bytes
-                    .get(before..before + size_of(channel))
-                    .unwrap_or_default();
+                let samples = bytes.get(before..before + size_of(channel)).unwrap_or_default();
                 values.extend(decode(channel.kind, samples));
             }
         }
@@ -80,12 +67,11 @@ impl<'a> ExrFile<'a> {
             ChannelDescription::new(Text::from("channel"), channel.kind, true)
         });
         let size = (self.header.width, self.header.height);
-        let header = exr::meta::header::Header::new(Text::from("layer"), size, channels.collect())
-            .with_encoding(
-                self.header.compression,
-                BlockDescription::ScanLines,
-                LineOrder::Increasing,
-            );
+        let header = exr::meta::header::Header::new(Text::from("layer"), size, channels.collect()).with_encoding(
+            self.header.compression,
+            BlockDescription::ScanLines,
+            LineOrder::Increasing,
+        );
         let requirements = Requirements {
             file_format_version: 2,
             is_single_layer_and_tiled: false,
@@ -93,10 +79,7 @@ impl<'a> ExrFile<'a> {
             has_deep_data: false,
             has_multiple_layers: false,
         };
-        MetaData {
-            requirements,
-            headers: std::iter::once(header).collect(),
-        }
+        MetaData { requirements, headers: std::iter::once(header).collect() }
     }
 }
 
@@ -105,12 +88,7 @@ fn refuse(path: &Path, refusal: Refusal) -> ImageError {
     match refusal {
         Refusal::Damaged(reason) => ImageError::Damaged { path, reason },
         Refusal::Unsupported(reason) => ImageError::Unsupported { path, reason },
-        Refusal::TooLarge { what, found, limit } => ImageError::TooLarge {
-            path,
-            what,
-            found,
-            limit,
-        },
+        Refusal::TooLarge { what, found, limit } => ImageError::TooLarge { path, what, found, limit },
     }
 }
 
@@ -127,33 +105,19 @@ fn decode(kind: SampleType, bytes: &[u8]) -> impl Iterator<Item = f32> {
 
 /// The compressed chunks in the order of their lines.
 fn read_chunks<'a>(header: &Header, file: &'a [u8]) -> Result<Vec<&'a [u8]>, Refusal> {
-    let pixel: usize = header
-        .channels
-        .iter()
-        .map(|channel| channel.kind.bytes_per_sample())
-        .sum();
+    let pixel: usize = header.channels.iter().map(|channel| channel.kind.bytes_per_sample()).sum();
     let decoded = (header.width * header.height * pixel) as u64;
     let limit = MOST_EXPANSION * file.len() as u64;
     if decoded > limit {
-        return Err(Refusal::TooLarge {
-            what: "its decoded size for the bytes it has",
-            found: decoded,
-            limit,
-        });
+        return Err(Refusal::TooLarge { what: "its decoded size for the bytes it has", found: decoded, limit });
     }
     let lines = header.compression.scan_lines_per_block();
-    let mut table = Bytes {
-        rest: file.get(header.length..).unwrap_or_default(),
-    };
+    let mut table = Bytes { rest: file.get(header.length..).unwrap_or_default() };
     let chunk = |number: usize| -> Result<&'a [u8], Refusal> {
         let wrong = |what: &str| Refusal::Damaged(format!("chunk {number} {what}"));
         let offset = table.u64()?;
-        let start = usize::try_from(offset)
-            .ok()
-            .filter(|&start| start >= header.length);
-        let rest = start
-            .and_then(|start| file.get(start..))
-            .ok_or_else(|| wrong("is missing"))?;
+        let start = usize::try_from(offset).ok().filter(|&start| start >= header.length);
+        let rest = start.and_then(|start| file.get(start..)).ok_or_else(|| wrong("is missing"))?;
         let mut chunk = Bytes { rest };
         let expected_line = i64::from(header.first_line) + (number * lines) as i64;
         if i64::from(chunk.i32()?) != expected_line {
@@ -172,10 +136,7 @@ fn read_chunks<'a>(header: &Header, file: &'a [u8]) -> Result<Vec<&'a [u8]>, Ref
 }
 
 /// Opens the file at `path` and hands its checked form to `read`.
-pub(super) fn with_exr<T>(
-    path: &Path,
-    read: impl FnOnce(&ExrFile) -> Result<T, ImageError>,
-) -> Result<T, ImageError> {
+pub(super) fn with_exr<T>(path: &Path, read: impl FnOnce(&ExrFile) -> Result<T, ImageError>) -> Result<T, ImageError> {
     let file = limits::read_file(path)?;
     read(&ExrFile::open(path, &file)?)
 }

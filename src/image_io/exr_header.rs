@@ -21,11 +21,7 @@ pub(super) const PROVENANCE: &str = "tirtouch";
 pub(super) enum Refusal {
     Damaged(String),
     Unsupported(String),
-    TooLarge {
-        what: &'static str,
-        found: u64,
-        limit: u64,
-    },
+    TooLarge { what: &'static str, found: u64, limit: u64 },
 }
 
 /// One channel, in the order of the file.
@@ -110,14 +106,11 @@ pub(super) fn read(file: &[u8]) -> Result<Header, Refusal> {
         return damaged("it does not start like an EXR");
     }
     let version = u32::from_le_bytes(bytes.array()?);
-    if version & 0xff != VERSION || version & !(0xff | TILED | LONG_NAMES | DEEP | MULTI_PART) != 0
-    {
+    if version & 0xff != VERSION || version & !(0xff | TILED | LONG_NAMES | DEEP | MULTI_PART) != 0 {
         return unsupported("an EXR of another version than 2");
     }
     if version & (TILED | DEEP | MULTI_PART) != 0 {
-        return unsupported(
-            "an EXR of tiles, deep data or several parts; write one flat part of scan lines",
-        );
+        return unsupported("an EXR of tiles, deep data or several parts; write one flat part of scan lines");
     }
     let (mut window, mut compression, mut channels, mut provenance) = (None, None, None, None);
     loop {
@@ -127,9 +120,7 @@ pub(super) fn read(file: &[u8]) -> Result<Header, Refusal> {
         }
         let kind = bytes.name()?;
         let length = bytes.length()?;
-        let mut value = Bytes {
-            rest: bytes.take(length)?,
-        };
+        let mut value = Bytes { rest: bytes.take(length)? };
         match (name.as_str(), kind.as_str()) {
             ("dataWindow", "box2i") => window = Some(read_window(&mut value)?),
             ("compression", "compression") => compression = Some(read_compression(value.u8()?)?),
@@ -141,8 +132,7 @@ pub(super) fn read(file: &[u8]) -> Result<Header, Refusal> {
             _ => {}
         }
     }
-    let ([width, height], first_line) =
-        window.map_or_else(|| damaged("its data window is missing"), Ok)?;
+    let ([width, height], first_line) = window.map_or_else(|| damaged("its data window is missing"), Ok)?;
     Ok(Header {
         width,
         height,
@@ -185,9 +175,7 @@ fn read_compression(code: u8) -> Result<Compression, Refusal> {
         2 => Ok(Compression::ZIP1),
         3 => Ok(Compression::ZIP16),
         4 => Ok(Compression::PIZ),
-        5..=9 => unsupported(
-            "an EXR of lossy compression (PXR24, B44 or DWA); write it with ZIP, PIZ or none",
-        ),
+        5..=9 => unsupported("an EXR of lossy compression (PXR24, B44 or DWA); write it with ZIP, PIZ or none"),
         _ => unsupported("an EXR of unknown compression; write it with ZIP, PIZ or none"),
     }
 }
@@ -207,9 +195,7 @@ fn read_channels(value: &mut Bytes) -> Result<Vec<Channel>, Refusal> {
         };
         value.take(4)?; // perceptual linearity and padding
         if [value.i32()?, value.i32()?] != [1, 1] {
-            return unsupported(
-                "an EXR of subsampled channels; write every channel at full resolution",
-            );
+            return unsupported("an EXR of subsampled channels; write every channel at full resolution");
         }
         channels.push(Channel { name, kind });
     }
@@ -217,11 +203,7 @@ fn read_channels(value: &mut Bytes) -> Result<Vec<Channel>, Refusal> {
         0 => damaged("it has no channel"),
         found if found > super::limits::CHANNELS => {
             let limit = super::limits::CHANNELS;
-            Err(Refusal::TooLarge {
-                what: "the number of channels",
-                found,
-                limit,
-            })
+            Err(Refusal::TooLarge { what: "the number of channels", found, limit })
         }
         _ => Ok(channels),
     }

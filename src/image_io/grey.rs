@@ -34,12 +34,7 @@ pub fn read_grey(path: &Path) -> Result<GreyImage, ImageError> {
     match is_exr(path) {
         true => with_exr(path, |file| {
             let names = ["mean", "Y"];
-            let find = |name: &&str| {
-                file.header
-                    .channels
-                    .iter()
-                    .position(|channel| channel.name == **name)
-            };
+            let find = |name: &&str| file.header.channels.iter().position(|channel| channel.name == **name);
             let values = file.channel(names.iter().find_map(find).unwrap_or(0))?;
             from_exr(path, [file.header.width, file.header.height], &values)
         }),
@@ -52,15 +47,10 @@ pub(super) fn is_exr(path: &Path) -> bool {
 }
 
 pub(super) fn has_extension(path: &Path, wanted: &str) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
-pub(super) fn from_exr(
-    path: &Path,
-    [width, height]: [usize; 2],
-    values: &[f32],
-) -> Result<GreyImage, ImageError> {
+pub(super) fn from_exr(path: &Path, [width, height]: [usize; 2], values: &[f32]) -> Result<GreyImage, ImageError> {
     check_values(path, width, values, "a finite number", f32::is_finite)?;
     Ok(GreyImage {
         width: width as u32,
@@ -73,27 +63,16 @@ pub(super) fn from_exr(
 
 /// Reads a PNG or TIFF of 8 or 16 bits.
 pub(super) fn read_levels(path: &Path) -> Result<GreyImage, ImageError> {
-    let damaged = |error: image::ImageError| ImageError::Damaged {
-        path: path.into(),
-        reason: error.to_string(),
-    };
-    let unsupported = |reason: &str| ImageError::Unsupported {
-        path: path.into(),
-        reason: reason.into(),
-    };
+    let damaged = |error: image::ImageError| ImageError::Damaged { path: path.into(), reason: error.to_string() };
+    let unsupported = |reason: &str| ImageError::Unsupported { path: path.into(), reason: reason.into() };
     let bytes = limits::read_file(path)?;
     let format = image::guess_format(&bytes).ok();
     if !matches!(format, Some(ImageFormat::Png | ImageFormat::Tiff)) {
-        return Err(unsupported(
-            "not an image that is read here; give PNG, TIFF or EXR",
-        ));
+        return Err(unsupported("not an image that is read here; give PNG, TIFF or EXR"));
     }
     let mut reader = ImageReader::new(Cursor::new(&bytes))
         .with_guessed_format()
-        .map_err(|source| ImageError::Read {
-            path: path.into(),
-            source,
-        })?;
+        .map_err(|source| ImageError::Read { path: path.into(), source })?;
     let mut bounds = Limits::default();
     bounds.max_image_width = Some(limits::DIMENSION as u32);
     bounds.max_image_height = Some(limits::DIMENSION as u32);
@@ -113,18 +92,10 @@ pub(super) fn read_levels(path: &Path) -> Result<GreyImage, ImageError> {
         DynamicImage::ImageRgb16(colour) => (65535.0, levels(colour, 3)),
         DynamicImage::ImageRgba16(colour) => (65535.0, levels(colour, 4)),
         _ => {
-            return Err(unsupported(
-                "an image of floating-point samples; give 8 or 16 bits, or EXR",
-            ));
+            return Err(unsupported("an image of floating-point samples; give 8 or 16 bits, or EXR"));
         }
     };
-    Ok(GreyImage {
-        width,
-        height,
-        values,
-        full_scale: Some(full_scale),
-        linear: false,
-    })
+    Ok(GreyImage { width, height, values, full_scale: Some(full_scale), linear: false })
 }
 
 /// Grey levels of interleaved samples of 1 (grey), 2 (grey, alpha), 3 (colour) or 4 (colour, alpha) channels.
@@ -133,11 +104,7 @@ fn levels<T: Copy + Into<f64>>(samples: &[T], channels: usize) -> Vec<f64> {
         [red, green, blue, ..] => {
             let [r, g, b] = [red, green, blue].map(Into::into);
             // Grey stored as colour stays exactly what it is.
-            if r == g && g == b {
-                r
-            } else {
-                LUMA[0] * r + LUMA[1] * g + LUMA[2] * b
-            }
+            if r == g && g == b { r } else { LUMA[0] * r + LUMA[1] * g + LUMA[2] * b }
         }
         [grey, ..] => grey.into(),
         [] => 0.0,

@@ -26,35 +26,19 @@ pub fn read_grid(path: &Path) -> Result<Grid, ImageError> {
         return read_csv(path);
     }
     let grey = match is_exr(path) {
-        true => with_exr(path, |file| {
-            from_exr(
-                path,
-                [file.header.width, file.header.height],
-                &file.channel(0)?,
-            )
-        })?,
+        true => with_exr(path, |file| from_exr(path, [file.header.width, file.header.height], &file.channel(0)?))?,
         false => read_levels(path)?,
     };
     let scale = grey.full_scale.unwrap_or(1.0);
     let values = grey.values.iter().map(|value| value / scale).collect();
-    Ok(Grid {
-        columns: grey.width,
-        rows: grey.height,
-        values,
-    })
+    Ok(Grid { columns: grey.width, rows: grey.height, values })
 }
 
 fn read_csv(path: &Path) -> Result<Grid, ImageError> {
-    let damaged = |reason: String| ImageError::Damaged {
-        path: path.into(),
-        reason,
-    };
+    let damaged = |reason: String| ImageError::Damaged { path: path.into(), reason };
     let bytes = limits::read_file(path)?;
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(bytes.as_slice());
+    let mut reader =
+        csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(bytes.as_slice());
     let (mut values, mut columns, mut rows) = (Vec::new(), 0, 0);
     for record in reader.records() {
         let record = record.map_err(|error| damaged(error.to_string()))?;
@@ -63,10 +47,7 @@ fn read_csv(path: &Path) -> Result<Grid, ImageError> {
             columns = record.len();
         }
         if record.len() != columns {
-            let reason = format!(
-                "row {rows} has {} numbers, the first row {columns}",
-                record.len()
-            );
+            let reason = format!("row {rows} has {} numbers, the first row {columns}", record.len());
             return Err(damaged(reason));
         }
         limits::check_size(path, columns as u64, rows as u64)?;
@@ -77,11 +58,7 @@ fn read_csv(path: &Path) -> Result<Grid, ImageError> {
     if values.is_empty() {
         return Err(damaged("it has no numbers".into()));
     }
-    Ok(Grid {
-        columns: columns as u32,
-        rows: rows as u32,
-        values,
-    })
+    Ok(Grid { columns: columns as u32, rows: rows as u32, values })
 }
 
 fn number(path: &Path, row: usize, column: usize, field: &str) -> Result<f64, ImageError> {

@@ -12,28 +12,18 @@ const SIZE: (usize, usize) = (37, 41);
 
 /// An EXR of smooth light with a little texture, so that every compressor has something to do.
 fn exr_bytes(compression: Compression, half: bool) -> Vec<u8> {
-    let value =
-        |index: usize| ((index % 37) as f32 * 0.1).sin() + (index * 7919 % 13) as f32 * 0.01 + 2.0;
+    let value = |index: usize| ((index % 37) as f32 * 0.1).sin() + (index * 7919 % 13) as f32 * 0.01 + 2.0;
     let pixels: Vec<f32> = (0..SIZE.0 * SIZE.1).map(value).collect();
     let samples = |scale: f32| match half {
         true => FlatSamples::F16(pixels.iter().map(|&v| f16::from_f32(v * scale)).collect()),
         false => FlatSamples::F32(pixels.iter().map(|&v| v * scale).collect()),
     };
-    let list = [("mean", 1.0), ("variance", 0.1)]
-        .map(|(name, scale)| AnyChannel::new(name, samples(scale)));
-    let encoding = Encoding {
-        compression,
-        blocks: Blocks::ScanLines,
-        line_order: LineOrder::Increasing,
-    };
+    let list = [("mean", 1.0), ("variance", 0.1)].map(|(name, scale)| AnyChannel::new(name, samples(scale)));
+    let encoding = Encoding { compression, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let channels = AnyChannels::sort(list.into_iter().collect());
     let layer = Layer::new(SIZE, LayerAttributes::default(), encoding, channels);
     let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut bytes)
-        .unwrap();
+    Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
     bytes.into_inner()
 }
 
@@ -41,12 +31,8 @@ fn picture_bytes(format: image::ImageFormat, wide: bool) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     let level = |x: u32, y: u32| (x * 5 + y * 3) % 251;
     let picture: image::DynamicImage = match wide {
-        true => image::ImageBuffer::from_fn(31, 23, |x, y| image::Luma([level(x, y) as u16 * 257]))
-            .into(),
-        false => {
-            image::RgbImage::from_fn(31, 23, |x, y| image::Rgb([level(x, y) as u8, 7, y as u8]))
-                .into()
-        }
+        true => image::ImageBuffer::from_fn(31, 23, |x, y| image::Luma([level(x, y) as u16 * 257])).into(),
+        false => image::RgbImage::from_fn(31, 23, |x, y| image::Rgb([level(x, y) as u8, 7, y as u8])).into(),
     };
     picture.write_to(&mut bytes, format).unwrap();
     bytes.into_inner()
@@ -64,10 +50,7 @@ static FILES: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
         ("grey.png", picture_bytes(image::ImageFormat::Png, true)),
         ("colour.png", picture_bytes(image::ImageFormat::Png, false)),
         ("grey.tiff", picture_bytes(image::ImageFormat::Tiff, true)),
-        (
-            "colour.tiff",
-            picture_bytes(image::ImageFormat::Tiff, false),
-        ),
+        ("colour.tiff", picture_bytes(image::ImageFormat::Tiff, false)),
         ("grid.csv", b"1, 2.5, -3e4\n4, 5, 6\n".to_vec()),
     ]
 });
@@ -88,12 +71,9 @@ impl Place {
 
 /// Reads by every reader; the results must be whole where there are any.
 fn read_all(path: &Path) -> [bool; 3] {
-    let film =
-        read_radiance(path).map(|(film, _)| assert_eq!(film.mean.len(), film.variance.len()));
-    let grey = read_grey(path)
-        .map(|grey| assert_eq!(grey.values.len(), (grey.width * grey.height) as usize));
-    let grid =
-        read_grid(path).map(|grid| assert!(grid.values.iter().all(|value| value.is_finite())));
+    let film = read_radiance(path).map(|(film, _)| assert_eq!(film.mean.len(), film.variance.len()));
+    let grey = read_grey(path).map(|grey| assert_eq!(grey.values.len(), (grey.width * grey.height) as usize));
+    let grid = read_grid(path).map(|grid| assert!(grid.values.iter().all(|value| value.is_finite())));
     [film.is_ok(), grey.is_ok(), grid.is_ok()]
 }
 
@@ -111,19 +91,10 @@ fn every_sound_file_is_read() {
 #[test]
 fn all_lossless_compressions_give_the_same_pixels() {
     let place = Place::new();
-    let read = |name: &str, compression| {
-        read_radiance(&place.file(name, &exr_bytes(compression, false)))
-            .unwrap()
-            .0
-            .mean
-    };
+    let read =
+        |name: &str, compression| read_radiance(&place.file(name, &exr_bytes(compression, false))).unwrap().0.mean;
     let plain = read("none.exr", Compression::Uncompressed);
-    for compression in [
-        Compression::RLE,
-        Compression::ZIP1,
-        Compression::ZIP16,
-        Compression::PIZ,
-    ] {
+    for compression in [Compression::RLE, Compression::ZIP1, Compression::ZIP16, Compression::PIZ] {
         assert_eq!(read("other.exr", compression), plain, "{compression:?}");
     }
 }
@@ -133,18 +104,10 @@ fn a_file_cut_anywhere_is_refused() {
     let place = Place::new();
     for (name, bytes) in FILES.iter().filter(|(name, _)| !name.ends_with("csv")) {
         // TIFF and PNG may end in bytes that carry no pixels: the last eighth is only required not to panic.
-        let needed = if name.ends_with("exr") {
-            bytes.len()
-        } else {
-            bytes.len() * 7 / 8
-        };
+        let needed = if name.ends_with("exr") { bytes.len() } else { bytes.len() * 7 / 8 };
         for cut in (0..bytes.len()).step_by(bytes.len() / 150 + 1) {
             let results = read_all(&place.file(name, &bytes[..cut]));
-            assert!(
-                cut >= needed || results == [false; 3],
-                "{name} cut to {cut} of {} was read",
-                bytes.len()
-            );
+            assert!(cut >= needed || results == [false; 3], "{name} cut to {cut} of {} was read", bytes.len());
         }
     }
 }

@@ -20,12 +20,7 @@ pub const DECODER_BYTES: u64 = 1 << 30;
 pub(super) fn check_size(path: &Path, width: u64, height: u64) -> Result<(), ImageError> {
     let within = |what, found, limit| match found <= limit {
         true => Ok(()),
-        false => Err(ImageError::TooLarge {
-            path: path.into(),
-            what,
-            found,
-            limit,
-        }),
+        false => Err(ImageError::TooLarge { path: path.into(), what, found, limit }),
     };
     within("the width", width, DIMENSION)?;
     within("the height", height, DIMENSION)?;
@@ -34,26 +29,17 @@ pub(super) fn check_size(path: &Path, width: u64, height: u64) -> Result<(), Ima
 
 /// Reads a whole file of at most [`FILE_BYTES`].
 pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
-    let failed = |source| ImageError::Read {
-        path: path.into(),
-        source,
-    };
+    let failed = |source| ImageError::Read { path: path.into(), source };
     let file = File::open(path).map_err(failed)?;
     let length = file.metadata().map_err(failed)?.len();
-    let too_large = |found| ImageError::TooLarge {
-        path: path.into(),
-        what: "the file's size",
-        found,
-        limit: FILE_BYTES,
-    };
+    let too_large =
+        |found| ImageError::TooLarge { path: path.into(), what: "the file's size", found, limit: FILE_BYTES };
     if length > FILE_BYTES {
         return Err(too_large(length));
     }
     // A pipe or a growing file has no length to trust.
     let mut bytes = Vec::new();
-    file.take(FILE_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(failed)?;
+    file.take(FILE_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
     match bytes.len() as u64 {
         length if length > FILE_BYTES => Err(too_large(length)),
         _ => Ok(bytes),
@@ -68,8 +54,5 @@ pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
         file.write_all(bytes)?;
         file.sync_all()
     };
-    write().map_err(|source| ImageError::Write {
-        path: path.into(),
-        source,
-    })
+    write().map_err(|source| ImageError::Write { path: path.into(), source })
 }

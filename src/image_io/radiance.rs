@@ -45,27 +45,14 @@ pub struct Provenance {
 ///
 /// # Errors
 /// When the film has no pixels, arrays that do not fit its size, or the file cannot be written.
-pub fn write_radiance(
-    path: &Path,
-    film: &Film,
-    provenance: &Provenance,
-) -> std::result::Result<(), ImageError> {
-    let refused = |reason: String| ImageError::Unsupported {
-        path: path.into(),
-        reason,
-    };
+pub fn write_radiance(path: &Path, film: &Film, provenance: &Provenance) -> std::result::Result<(), ImageError> {
+    let refused = |reason: String| ImageError::Unsupported { path: path.into(), reason };
     let pixels = film.width as usize * film.height as usize;
     if pixels == 0 || film.mean.len() != pixels || film.variance.len() != pixels {
-        return Err(refused(
-            "a film without pixels, or of another size than its arrays".into(),
-        ));
+        return Err(refused("a film without pixels, or of another size than its arrays".into()));
     }
     limits::check_size(path, film.width.into(), film.height.into())?;
-    let provenance = Provenance {
-        replicates: film.replicates,
-        inflation: film.inflation(),
-        ..provenance.clone()
-    };
+    let provenance = Provenance { replicates: film.replicates, inflation: film.inflation(), ..provenance.clone() };
     let json = serde_json::to_string(&provenance).map_err(|error| refused(error.to_string()))?;
     // EXR strings have no encoding: JSON escapes keep them ASCII.
     let mut ascii = String::with_capacity(json.len());
@@ -76,35 +63,18 @@ pub fn write_radiance(
         }
     }
     let text = Text::new_or_none(&ascii).ok_or_else(|| refused("provenance is not text".into()))?;
-    let channel =
-        |name: &str, values: &[f32]| AnyChannel::new(name, FlatSamples::F32(values.to_vec()));
-    let channels = AnyChannels::sort(
-        [
-            channel("mean", &film.mean),
-            channel("variance", &film.variance),
-        ]
-        .into_iter()
-        .collect(),
-    );
+    let channel = |name: &str, values: &[f32]| AnyChannel::new(name, FlatSamples::F32(values.to_vec()));
+    let channels =
+        AnyChannels::sort([channel("mean", &film.mean), channel("variance", &film.variance)].into_iter().collect());
     let mut layer = Layer::new(
         (film.width as usize, film.height as usize),
         LayerAttributes::default(),
-        Encoding {
-            compression: Compression::ZIP16,
-            blocks: Blocks::ScanLines,
-            line_order: LineOrder::Increasing,
-        },
+        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing },
         channels,
     );
-    layer
-        .attributes
-        .other
-        .insert(Text::from(PROVENANCE), AttributeValue::Text(text));
+    layer.attributes.other.insert(Text::from(PROVENANCE), AttributeValue::Text(text));
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let written = Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut bytes);
+    let written = Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes);
     written.map_err(|error| refused(error.to_string()))?;
     limits::write_file(path, bytes.get_ref())
 }
@@ -118,27 +88,15 @@ pub fn read_radiance(path: &Path) -> std::result::Result<(Film, Option<Provenanc
     if path.is_dir() {
         return read_folder(path).map(|film| (film, None));
     }
-    let damaged = |reason: &str| ImageError::Damaged {
-        path: path.into(),
-        reason: reason.into(),
-    };
+    let damaged = |reason: &str| ImageError::Damaged { path: path.into(), reason: reason.into() };
     with_exr(path, |file| {
         let find = |name: &str| {
-            let found = file
-                .header
-                .channels
-                .iter()
-                .position(|channel| channel.name == name);
+            let found = file.header.channels.iter().position(|channel| channel.name == name);
             found.ok_or_else(|| {
-                damaged(&format!(
-                    "it has no channel `{name}`; a radiance.exr has `mean` and `variance`"
-                ))
+                damaged(&format!("it has no channel `{name}`; a radiance.exr has `mean` and `variance`"))
             })
         };
-        let (mean, variance) = (
-            file.channel(find("mean")?)?,
-            file.channel(find("variance")?)?,
-        );
+        let (mean, variance) = (file.channel(find("mean")?)?, file.channel(find("variance")?)?);
         let size = [file.header.width, file.header.height];
         let provenance = match &file.header.provenance {
             None => None,
@@ -151,18 +109,10 @@ pub fn read_radiance(path: &Path) -> std::result::Result<(Film, Option<Provenanc
         let Some(provenance) = provenance else {
             return Ok((film, None));
         };
-        if provenance
-            .inflation
-            .iter()
-            .any(|entry| !(entry.factor.is_finite() && entry.factor >= 1.0))
-        {
+        if provenance.inflation.iter().any(|entry| !(entry.factor.is_finite() && entry.factor >= 1.0)) {
             return Err(damaged("an inflation factor is below 1"));
         }
-        let film = Film {
-            replicates: provenance.replicates,
-            ..film
-        }
-        .with_blocks(&provenance.inflation);
+        let film = Film { replicates: provenance.replicates, ..film }.with_blocks(&provenance.inflation);
         Ok((film, Some(provenance)))
     })
 }
@@ -170,22 +120,14 @@ pub fn read_radiance(path: &Path) -> std::result::Result<(Film, Option<Provenanc
 fn read_folder(folder: &Path) -> std::result::Result<Film, ImageError> {
     let read = |name: &str| {
         let path = folder.join(name);
-        let read = with_exr(&path, |file| {
-            Ok(([file.header.width, file.header.height], file.channel(0)?))
-        });
+        let read = with_exr(&path, |file| Ok(([file.header.width, file.header.height], file.channel(0)?)));
         read.map(|(size, values)| (path, size, values))
     };
     let (mean_path, size, mean) = read("mean.exr")?;
     let (variance_path, other_size, variance) = read("variance.exr")?;
     if size != other_size {
-        let reason = format!(
-            "{}x{} pixels, but mean.exr has {}x{}",
-            other_size[0], other_size[1], size[0], size[1]
-        );
-        return Err(ImageError::Unsupported {
-            path: variance_path,
-            reason,
-        });
+        let reason = format!("{}x{} pixels, but mean.exr has {}x{}", other_size[0], other_size[1], size[0], size[1]);
+        return Err(ImageError::Unsupported { path: variance_path, reason });
     }
     film(&mean_path, &variance_path, size, mean, variance)
 }
@@ -197,20 +139,10 @@ fn film(
     mean: Vec<f32>,
     variance: Vec<f32>,
 ) -> std::result::Result<Film, ImageError> {
-    check_values(mean_path, width, &mean, "a finite mean", |value| {
-        value.is_finite()
-    })?;
+    check_values(mean_path, width, &mean, "a finite mean", |value| value.is_finite())?;
     let right = "a finite variance of 0 or more";
-    check_values(variance_path, width, &variance, right, |value| {
-        value.is_finite() && value >= 0.0
-    })?;
-    Ok(Film {
-        width: width as u32,
-        height: height as u32,
-        mean,
-        variance,
-        ..Film::default()
-    })
+    check_values(variance_path, width, &variance, right, |value| value.is_finite() && value >= 0.0)?;
+    Ok(Film { width: width as u32, height: height as u32, mean, variance, ..Film::default() })
 }
 
 /// Refuses the first value that is not as it should be.

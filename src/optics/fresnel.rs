@@ -46,9 +46,7 @@ pub fn incoherent_slab(first: f64, second: f64) -> f64 {
 pub fn lambertian_mean(reflectance: impl Fn(f64) -> f64) -> f64 {
     // Midpoints of sin^2; the kink at the critical angle limits the error to about 1 / steps^1.5.
     let steps = 200_000;
-    let sum: f64 = (0..steps)
-        .map(|k| reflectance((1.0 - (k as f64 + 0.5) / steps as f64).sqrt()))
-        .sum();
+    let sum: f64 = (0..steps).map(|k| reflectance((1.0 - (k as f64 + 0.5) / steps as f64).sqrt())).sum();
     sum / steps as f64
 }
 

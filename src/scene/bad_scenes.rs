@@ -28,39 +28,18 @@ pub(super) fn bad(
     key: &'static str,
     says: &'static str,
 ) -> Bad {
-    Bad {
-        preset,
-        from,
-        to,
-        kind,
-        key,
-        says,
-    }
+    Bad { preset, from, to, kind, key, says }
 }
 
 pub(super) fn check(case: &Bad) {
     let original = text_of(case.preset);
-    assert!(
-        original.contains(case.from),
-        "{} has no {:?}",
-        case.preset,
-        case.from
-    );
+    assert!(original.contains(case.from), "{} has no {:?}", case.preset, case.from);
     let text = original.replacen(case.from, case.to, 1);
     let marked = text.find("#!").map(|at| line_at(&text, at));
     let error = parse(&text, Path::new("scene.toml")).unwrap_err();
     let seen = (error.kind, error.key.as_deref(), error.line);
-    assert_eq!(
-        seen,
-        (case.kind, Some(case.key), marked.or(Some(1))),
-        "{:?} gives {error}",
-        case.to
-    );
-    assert!(
-        error.message.contains(case.says),
-        "{:?} gives {error}",
-        case.to
-    );
+    assert_eq!(seen, (case.kind, Some(case.key), marked.or(Some(1))), "{:?} gives {error}", case.to);
+    assert!(error.message.contains(case.says), "{:?} gives {error}", case.to);
     assert_eq!(error.to_string().lines().count(), 1, "{error}");
 }
 

@@ -27,41 +27,23 @@ pub(super) struct Defect {
 
 impl Defect {
     pub(super) fn new(line: impl Into<Option<usize>>, message: impl Into<String>) -> Self {
-        Self {
-            line: line.into(),
-            message: message.into(),
-        }
+        Self { line: line.into(), message: message.into() }
     }
 
     pub(super) fn in_file(self, file: &Path) -> DataFileError {
-        DataFileError {
-            kind: "bad_file",
-            file: file.to_path_buf(),
-            line: self.line,
-            message: self.message,
-        }
+        DataFileError { kind: "bad_file", file: file.to_path_buf(), line: self.line, message: self.message }
     }
 }
 
 /// The bytes of a file that is at most `max_bytes` large.
 pub(super) fn read_limited(path: &Path, max_bytes: u64) -> Result<Vec<u8>, DataFileError> {
-    let error = |kind, message| DataFileError {
-        kind,
-        file: path.to_path_buf(),
-        line: None,
-        message,
-    };
+    let error = |kind, message| DataFileError { kind, file: path.to_path_buf(), line: None, message };
     let unreadable = |cause: std::io::Error| error("io", format!("cannot be read: {cause}"));
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
-    file.take(max_bytes + 1)
-        .read_to_end(&mut bytes)
-        .map_err(unreadable)?;
+    file.take(max_bytes + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > max_bytes {
-        return Err(error(
-            "too_large",
-            format!("is larger than the limit of {max_bytes} bytes"),
-        ));
+        return Err(error("too_large", format!("is larger than the limit of {max_bytes} bytes")));
     }
     Ok(bytes)
 }
@@ -78,11 +60,6 @@ mod tests {
         std::fs::write(&path, b"12345").unwrap();
         assert_eq!(read_limited(&path, 5).unwrap(), b"12345");
         assert_eq!(read_limited(&path, 4).unwrap_err().kind, "too_large");
-        assert_eq!(
-            read_limited(&folder.path().join("none"), 4)
-                .unwrap_err()
-                .kind,
-            "io"
-        );
+        assert_eq!(read_limited(&folder.path().join("none"), 4).unwrap_err().kind, "io");
     }
 }

@@ -23,13 +23,7 @@ pub struct SceneError {
 impl SceneError {
     /// An error about the file as a whole.
     pub(super) fn of_file(kind: &'static str, file: &Path, message: impl AsRef<str>) -> Self {
-        Self {
-            kind,
-            file: file.to_path_buf(),
-            line: None,
-            key: None,
-            message: one_line(message.as_ref()),
-        }
+        Self { kind, file: file.to_path_buf(), line: None, key: None, message: one_line(message.as_ref()) }
     }
 
     /// The same error at a place.
@@ -71,12 +65,9 @@ mod tests {
 
     #[test]
     fn an_error_is_one_line_that_names_file_line_and_key() {
-        let error = SceneError::of_file(
-            "invalid_value",
-            Path::new("scene.toml"),
-            "must be positive, is -2; for example 2.0",
-        )
-        .at(Some(12), Some("stack.layer[1].thickness_mm"));
+        let error =
+            SceneError::of_file("invalid_value", Path::new("scene.toml"), "must be positive, is -2; for example 2.0")
+                .at(Some(12), Some("stack.layer[1].thickness_mm"));
         assert_eq!(
             error.to_string(),
             "scene.toml:12: stack.layer[1].thickness_mm: must be positive, is -2; for example 2.0"
@@ -85,8 +76,7 @@ mod tests {
 
     #[test]
     fn control_characters_are_escaped() {
-        let error = SceneError::of_file("syntax", Path::new("a\nb.toml"), "bad \u{1b}[31m\nred")
-            .at(None, Some("k\r"));
+        let error = SceneError::of_file("syntax", Path::new("a\nb.toml"), "bad \u{1b}[31m\nred").at(None, Some("k\r"));
         assert_eq!(error.to_string(), "a\\nb.toml: k\\r: bad \\u{1b}[31m\\nred");
     }
 }

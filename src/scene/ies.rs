@@ -36,13 +36,7 @@ impl IesTable {
         let (Some((column, across)), Some((row, along))) = (vertical, horizontal) else {
             return 0.0;
         };
-        let at = |row: usize, column: usize| {
-            self.candela
-                .get(row)
-                .and_then(|r| r.get(column))
-                .copied()
-                .unwrap_or(0.0)
-        };
+        let at = |row: usize, column: usize| self.candela.get(row).and_then(|r| r.get(column)).copied().unwrap_or(0.0);
         let in_row = |row| at(row, column) * (1.0 - across) + at(row, column + 1) * across;
         in_row(row) * (1.0 - along) + in_row(row + 1) * along
     }
@@ -54,10 +48,7 @@ fn cell(angles: &[f64], value: f64) -> Option<(usize, f64)> {
     if !(first..=last).contains(&value) {
         return None;
     }
-    let low = angles
-        .partition_point(|&angle| angle <= value)
-        .saturating_sub(1)
-        .min(angles.len().saturating_sub(2));
+    let low = angles.partition_point(|&angle| angle <= value).saturating_sub(1).min(angles.len().saturating_sub(2));
     let (from, to) = (*angles.get(low)?, *angles.get(low + 1)?);
     Some((low, (value - from) / (to - from)))
 }
@@ -73,23 +64,11 @@ pub fn read_ies(path: &Path) -> Result<IesTable, DataFileError> {
 }
 
 fn parse(text: &str) -> Result<IesTable, Defect> {
-    let tilt = text
-        .lines()
-        .take(MAX_LABEL_LINES)
-        .position(|line| line.trim_start().starts_with("TILT="));
+    let tilt = text.lines().take(MAX_LABEL_LINES).position(|line| line.trim_start().starts_with("TILT="));
     let Some(tilt_line) = tilt else {
-        return Err(Defect::new(
-            None,
-            "has no TILT= line; is it an IES LM-63 file?",
-        ));
+        return Err(Defect::new(None, "has no TILT= line; is it an IES LM-63 file?"));
     };
-    let tilt = text
-        .lines()
-        .nth(tilt_line)
-        .unwrap_or("")
-        .trim()
-        .trim_start_matches("TILT=")
-        .trim();
+    let tilt = text.lines().nth(tilt_line).unwrap_or("").trim().trim_start_matches("TILT=").trim();
     let mut numbers = Numbers::after_line(text, tilt_line + 1);
     match tilt {
         "NONE" => {}
@@ -112,9 +91,7 @@ fn parse(text: &str) -> Result<IesTable, Defect> {
     let horizontals = numbers.count("the number of horizontal angles")?;
     let photometry = numbers.next("the photometric type")?;
     if photometry != 1.0 {
-        return Err(numbers.defect(format!(
-            "the photometric type must be 1 (type C), is {photometry}"
-        )));
+        return Err(numbers.defect(format!("the photometric type must be 1 (type C), is {photometry}")));
     }
     for what in ["the unit", "the width", "the length", "the height"] {
         numbers.next(what)?;
@@ -134,42 +111,26 @@ fn parse(text: &str) -> Result<IesTable, Defect> {
             .map(|_| {
                 let value = numbers.next("an intensity")?;
                 if value < 0.0 {
-                    return Err(
-                        numbers.defect(format!("an intensity must not be negative, is {value}"))
-                    );
+                    return Err(numbers.defect(format!("an intensity must not be negative, is {value}")));
                 }
                 Ok(value * multiplier * ballast)
             })
             .collect();
         candela.push(row?);
     }
-    let (horizontal_deg, candela) =
-        over_full_circle(horizontal_deg, candela).map_err(|m| numbers.defect(m))?;
-    let lit = |row: &Vec<f64>| {
-        row.iter()
-            .zip(&vertical_deg)
-            .any(|(&value, &angle)| value > 0.0 && angle < 90.0)
-    };
+    let (horizontal_deg, candela) = over_full_circle(horizontal_deg, candela).map_err(|m| numbers.defect(m))?;
+    let lit = |row: &Vec<f64>| row.iter().zip(&vertical_deg).any(|(&value, &angle)| value > 0.0 && angle < 90.0);
     if !candela.iter().any(lit) {
-        return Err(
-            numbers.defect("must have a positive intensity below 90 degrees, in front of the lamp")
-        );
+        return Err(numbers.defect("must have a positive intensity below 90 degrees, in front of the lamp"));
     }
     if candela.iter().flatten().any(|value| !value.is_finite()) {
         return Err(numbers.defect("the intensities times their factors must be finite"));
     }
-    Ok(IesTable {
-        vertical_deg,
-        horizontal_deg,
-        candela,
-    })
+    Ok(IesTable { vertical_deg, horizontal_deg, candela })
 }
 
 /// Mirrors a table given over a half or a quarter circle, and copies one that has a single plane.
-fn over_full_circle(
-    mut angles: Vec<f64>,
-    mut rows: Vec<Vec<f64>>,
-) -> Result<(Vec<f64>, Vec<Vec<f64>>), &'static str> {
+fn over_full_circle(mut angles: Vec<f64>, mut rows: Vec<Vec<f64>>) -> Result<(Vec<f64>, Vec<Vec<f64>>), &'static str> {
     let wrong = "the horizontal angles must run from 0 to 0, 90, 180 or 360";
     if angles.first() != Some(&0.0) {
         return Err(wrong);
@@ -182,12 +143,7 @@ fn over_full_circle(
             angles.push(360.0);
             rows.extend_from_within(..);
         } else if last == 90.0 || last == 180.0 {
-            let mirrored = angles
-                .iter()
-                .rev()
-                .skip(1)
-                .map(|angle| 2.0 * last - angle)
-                .collect::<Vec<_>>();
+            let mirrored = angles.iter().rev().skip(1).map(|angle| 2.0 * last - angle).collect::<Vec<_>>();
             let reversed = rows.iter().rev().skip(1).cloned().collect::<Vec<_>>();
             angles.extend(mirrored);
             rows.extend(reversed);
@@ -205,20 +161,11 @@ struct Numbers<'t> {
 
 impl<'t> Numbers<'t> {
     fn after_line(text: &'t str, line: usize) -> Self {
-        let tokens = text
-            .lines()
-            .enumerate()
-            .skip(line)
-            .flat_map(|(index, content)| {
-                let separated = content.split(|c: char| c.is_whitespace() || c == ',');
-                separated
-                    .filter(|token| !token.is_empty())
-                    .map(move |token| (index + 1, token))
-            });
-        Self {
-            tokens: Box::new(tokens),
-            line,
-        }
+        let tokens = text.lines().enumerate().skip(line).flat_map(|(index, content)| {
+            let separated = content.split(|c: char| c.is_whitespace() || c == ',');
+            separated.filter(|token| !token.is_empty()).map(move |token| (index + 1, token))
+        });
+        Self { tokens: Box::new(tokens), line }
     }
 
     fn defect(&self, message: impl Into<String>) -> Defect {
@@ -238,19 +185,13 @@ impl<'t> Numbers<'t> {
 
     fn positive(&mut self, what: &str) -> Result<f64, Defect> {
         let value = self.next(what)?;
-        if value > 0.0 {
-            Ok(value)
-        } else {
-            Err(self.defect(format!("{what} must be positive, is {value}")))
-        }
+        if value > 0.0 { Ok(value) } else { Err(self.defect(format!("{what} must be positive, is {value}"))) }
     }
 
     fn count(&mut self, what: &str) -> Result<usize, Defect> {
         let value = self.next(what)?;
         if value.fract() != 0.0 || !(1.0..=MAX_ANGLES as f64).contains(&value) {
-            return Err(self.defect(format!(
-                "{what} must be a whole number from 1 to {MAX_ANGLES}, is {value}"
-            )));
+            return Err(self.defect(format!("{what} must be a whole number from 1 to {MAX_ANGLES}, is {value}")));
         }
         Ok(value as usize)
     }
@@ -259,12 +200,10 @@ impl<'t> Numbers<'t> {
         let mut angles: Vec<f64> = Vec::with_capacity(count);
         for _ in 0..count {
             let angle = self.next("an angle")?;
-            if !(0.0..=most).contains(&angle)
-                || angles.last().is_some_and(|&before| angle <= before)
-            {
-                return Err(self.defect(format!(
-                    "the {which} angles must ascend from 0 to {most} degrees, one is {angle}"
-                )));
+            if !(0.0..=most).contains(&angle) || angles.last().is_some_and(|&before| angle <= before) {
+                return Err(
+                    self.defect(format!("the {which} angles must ascend from 0 to {most} degrees, one is {angle}"))
+                );
             }
             angles.push(angle);
         }

@@ -85,16 +85,7 @@ fn a_bad_file_says_line_and_rule() {
         assert!(error.message.contains(part), "{}", error.message);
     }
     assert!(said("no lamp").message.contains("TILT="));
-    assert!(
-        said(
-            &QUADRANT
-                .replace("100", "0")
-                .replace("60", "0")
-                .replace("20,", "0,")
-        )
-        .message
-        .contains("positive")
-    );
+    assert!(said(&QUADRANT.replace("100", "0").replace("60", "0").replace("20,", "0,")).message.contains("positive"));
 }
 
 proptest! {

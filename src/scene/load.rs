@@ -36,37 +36,20 @@ impl LoadedScene {
 /// When the file cannot be read, is no scene, breaks a rule, or names a file that does not exist.
 pub fn load(path: &Path) -> Result<LoadedScene, SceneError> {
     let bytes = read_limited(path, MAX_BYTES).map_err(|error| {
-        SceneError::of_file(
-            error.kind,
-            path,
-            format!(
-                "{}; a scene is a TOML file of some kilobytes",
-                error.message
-            ),
-        )
+        SceneError::of_file(error.kind, path, format!("{}; a scene is a TOML file of some kilobytes", error.message))
     })?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
-        let line = 1 + error
-            .as_bytes()
-            .iter()
-            .take(valid)
-            .filter(|&&byte| byte == b'\n')
-            .count();
-        SceneError::of_file("not_utf8", path, "is not UTF-8; save it as UTF-8 text")
-            .at(Some(line), None)
+        let line = 1 + error.as_bytes().iter().take(valid).filter(|&&byte| byte == b'\n').count();
+        SceneError::of_file("not_utf8", path, "is not UTF-8; save it as UTF-8 text").at(Some(line), None)
     })?;
     let loaded = parse(&text, path)?;
     for (key, named) in loaded.scene.files() {
         let resolved = loaded.resolve(named);
         if !resolved.is_file() {
-            let line = DeTable::parse(&text)
-                .ok()
-                .map(|document| line_of(&text, document.get_ref(), &key));
-            let message = format!(
-                "names {}, which is not a file; paths are relative to the scene's folder",
-                resolved.display()
-            );
+            let line = DeTable::parse(&text).ok().map(|document| line_of(&text, document.get_ref(), &key));
+            let message =
+                format!("names {}, which is not a file; paths are relative to the scene's folder", resolved.display());
             return Err(SceneError::of_file("missing_file", path, message).at(line, Some(&key)));
         }
     }
@@ -91,17 +74,13 @@ pub fn parse(text: &str, origin: &Path) -> Result<LoadedScene, SceneError> {
     };
     structure::check(document.get_ref(), &schema::schema())
         .map_err(|fault| at_key(fault.kind, &fault.key, &fault.message))?;
-    let scene = Scene::deserialize(Deserializer::from(document.clone()))
-        .map_err(|error| toml_error("syntax", &error))?;
-    validate::validate(&scene)
-        .map_err(|broken| at_key("invalid_value", &broken.key, &broken.message))?;
+    let scene =
+        Scene::deserialize(Deserializer::from(document.clone())).map_err(|error| toml_error("syntax", &error))?;
+    validate::validate(&scene).map_err(|broken| at_key("invalid_value", &broken.key, &broken.message))?;
     Ok(LoadedScene {
         scene,
         folder: origin.parent().map(Path::to_path_buf).unwrap_or_default(),
-        sha256: Sha256::digest(text.as_bytes())
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect(),
+        sha256: Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect(),
     })
 }
 

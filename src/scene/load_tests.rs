@@ -67,12 +67,8 @@ fn mistakes_of_structure_name_key_and_line() {
 
 #[test]
 fn broken_toml_names_the_line() {
-    for (text, line) in [
-        ("name = 'a'\nname = 'b'\n", 2),
-        ("name = 'a'\n\n[light\n", 3),
-        ("name = \n", 1),
-        ("\u{0}", 1),
-    ] {
+    for (text, line) in [("name = 'a'\nname = 'b'\n", 2), ("name = 'a'\n\n[light\n", 3), ("name = \n", 1), ("\u{0}", 1)]
+    {
         let error = parse(text, Path::new("scene.toml")).unwrap_err();
         assert_eq!((error.kind, error.line), ("syntax", Some(line)), "{error}");
         assert_eq!(error.to_string().lines().count(), 1, "{error}");
@@ -87,17 +83,11 @@ fn a_file_that_does_not_exist_is_named_with_its_key() {
     let text = text_of("dent-cap").replace(shape, "{ kind = \"mesh\", file = \"plate.obj\" } #!");
     std::fs::write(&path, &text).unwrap();
     let error = load(&path).unwrap_err();
-    assert_eq!(
-        (error.kind, error.key.as_deref()),
-        ("missing_file", Some("touch.shape.file"))
-    );
+    assert_eq!((error.kind, error.key.as_deref()), ("missing_file", Some("touch.shape.file")));
     assert_eq!(error.line, Some(line_at(&text, text.find("#!").unwrap())));
     std::fs::write(folder.path().join("plate.obj"), "").unwrap();
     let loaded = load(&path).unwrap();
-    assert_eq!(
-        loaded.resolve(Path::new("plate.obj")),
-        folder.path().join("plate.obj")
-    );
+    assert_eq!(loaded.resolve(Path::new("plate.obj")), folder.path().join("plate.obj"));
 }
 
 #[test]
@@ -118,11 +108,7 @@ fn a_scene_survives_the_way_to_toml_and_back() {
     for (name, _) in PRESETS {
         let scene = preset(name).unwrap().scene;
         let text = toml::to_string(&scene).unwrap();
-        assert_eq!(
-            parse(&text, Path::new("s.toml")).unwrap().scene,
-            scene,
-            "{name}"
-        );
+        assert_eq!(parse(&text, Path::new("s.toml")).unwrap().scene, scene, "{name}");
     }
 }
 

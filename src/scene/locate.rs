@@ -4,11 +4,7 @@ use toml::de::{DeTable, DeValue};
 
 /// The line (from 1) of the byte at `offset`.
 pub(super) fn line_at(text: &str, offset: usize) -> usize {
-    1 + text
-        .bytes()
-        .take(offset)
-        .filter(|&byte| byte == b'\n')
-        .count()
+    1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
 }
 
 /// The line of a key such as `stack.layer[1].n`, or of the innermost table on the way to it that the file has.

@@ -35,9 +35,7 @@ mod tests {
             }
         }
         match value {
-            Value::Object(map) => map
-                .iter()
-                .for_each(|(key, inner)| check_tables(&format!("{at}/{key}"), inner)),
+            Value::Object(map) => map.iter().for_each(|(key, inner)| check_tables(&format!("{at}/{key}"), inner)),
             Value::Array(items) => items.iter().for_each(|inner| check_tables(at, inner)),
             _ => {}
         }

@@ -17,11 +17,7 @@ pub(super) struct Fault {
 
 impl Fault {
     fn new(kind: &'static str, key: &str, message: String) -> Self {
-        Self {
-            kind,
-            key: key.to_owned(),
-            message,
-        }
+        Self { kind, key: key.to_owned(), message }
     }
 }
 
@@ -38,14 +34,10 @@ impl<'s> Walk<'s> {
     /// Follows references, and the present side of what may be absent.
     fn resolve(&self, mut schema: &'s Value) -> &'s Value {
         loop {
-            let pointer = schema
-                .get("$ref")
-                .and_then(Value::as_str)
-                .and_then(|r| r.strip_prefix('#'));
+            let pointer = schema.get("$ref").and_then(Value::as_str).and_then(|r| r.strip_prefix('#'));
             let target = pointer.and_then(|p| self.root.pointer(p)).or_else(|| {
                 let any = schema.get("anyOf")?.as_array()?;
-                any.iter()
-                    .find(|one| one.get("type").and_then(Value::as_str) != Some("null"))
+                any.iter().find(|one| one.get("type").and_then(Value::as_str) != Some("null"))
             });
             match target {
                 Some(inner) => schema = inner,
@@ -54,12 +46,7 @@ impl<'s> Walk<'s> {
         }
     }
 
-    fn value(
-        &self,
-        key: &str,
-        value: &Spanned<DeValue<'_>>,
-        described: &'s Value,
-    ) -> Result<(), Fault> {
+    fn value(&self, key: &str, value: &Spanned<DeValue<'_>>, described: &'s Value) -> Result<(), Fault> {
         let schema = self.resolve(described);
         let value = value.get_ref();
         if let Some(choices) = schema.get("oneOf").and_then(Value::as_array) {
@@ -73,11 +60,7 @@ impl<'s> Walk<'s> {
                     || length("maxItems").is_some_and(|n| items.len() as u64 > n)
                 {
                     let wanted = length("minItems").unwrap_or(0);
-                    let message = format!(
-                        "must have {wanted} values, has {}{}",
-                        items.len(),
-                        meaning(described)
-                    );
+                    let message = format!("must have {wanted} values, has {}{}", items.len(), meaning(described));
                     return Err(Fault::new("wrong_type", key, message));
                 }
                 let item_schema = schema.get("items").unwrap_or(&Value::Null);
@@ -88,15 +71,12 @@ impl<'s> Walk<'s> {
             }
             ("number", DeValue::Float(number)) => {
                 if !number.as_str().parse().is_ok_and(f64::is_finite) {
-                    let message =
-                        format!("must be a finite number, is {number}{}", meaning(described));
+                    let message = format!("must be a finite number, is {number}{}", meaning(described));
                     return Err(Fault::new("invalid_value", key, message));
                 }
                 true
             }
-            ("number", DeValue::Integer(number)) => {
-                in_range(number, i64::MIN.into(), i64::MAX.into())
-            }
+            ("number", DeValue::Integer(number)) => in_range(number, i64::MIN.into(), i64::MAX.into()),
             ("integer", DeValue::Integer(number)) => {
                 let most = if schema.get("format").and_then(Value::as_str) == Some("uint32") {
                     u32::MAX.into()
@@ -105,10 +85,7 @@ impl<'s> Walk<'s> {
                     i64::MAX.into()
                 };
                 if !in_range(number, 0, most) {
-                    let message = format!(
-                        "must be a whole number from 0 to {most}, is {number}{}",
-                        meaning(described)
-                    );
+                    let message = format!("must be a whole number from 0 to {most}, is {number}{}", meaning(described));
                     return Err(Fault::new("invalid_value", key, message));
                 }
                 true
@@ -119,12 +96,7 @@ impl<'s> Walk<'s> {
         if fits {
             return Ok(());
         }
-        let message = format!(
-            "must be {}, is {}{}",
-            wanted(schema),
-            shown(value),
-            meaning(described)
-        );
+        let message = format!("must be {}, is {}{}", wanted(schema), shown(value), meaning(described));
         Err(Fault::new("wrong_type", key, message))
     }
 
@@ -133,11 +105,7 @@ impl<'s> Walk<'s> {
             return Ok(());
         };
         let path = |name: &str| {
-            if key.is_empty() {
-                name.to_owned()
-            } else {
-                format!("{key}.{name}")
-            }
+            if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") }
         };
         // A misspelt table would otherwise show first as what is missing or wrong elsewhere.
         for (name, _) in table {
@@ -156,19 +124,11 @@ impl<'s> Walk<'s> {
                 self.value(&path(name.get_ref()), value, property)?;
             }
         }
-        let required = schema
-            .get("required")
-            .and_then(Value::as_array)
-            .into_iter()
-            .flatten();
+        let required = schema.get("required").and_then(Value::as_array).into_iter().flatten();
         for name in required.filter_map(Value::as_str) {
             if !table.iter().any(|(present, _)| present.get_ref() == name) {
                 let property = properties.get(name).unwrap_or(&Value::Null);
-                let message = format!(
-                    "is missing; give {}{}",
-                    wanted(self.resolve(property)),
-                    meaning(property)
-                );
+                let message = format!("is missing; give {}{}", wanted(self.resolve(property)), meaning(property));
                 return Err(Fault::new("missing_key", &path(name), message));
             }
         }
@@ -182,10 +142,7 @@ impl<'s> Walk<'s> {
         let (key_of_name, name) = match value {
             DeValue::Table(table) if tagged => {
                 let kind_key = format!("{key}.kind");
-                match table
-                    .iter()
-                    .find(|(present, _)| present.get_ref() == "kind")
-                {
+                match table.iter().find(|(present, _)| present.get_ref() == "kind") {
                     Some((_, kind)) => (kind_key, kind.get_ref()),
                     None => {
                         let message = format!("is missing; give one of {}", quoted(&names));
@@ -206,20 +163,11 @@ impl<'s> Walk<'s> {
         };
         let chosen = choices.iter().find(|one| choice_name(one) == name.as_str());
         match (chosen, value) {
-            (Some(schema), DeValue::Table(table)) if name.as_str().is_some() => {
-                self.table(key, table, schema)
-            }
+            (Some(schema), DeValue::Table(table)) if name.as_str().is_some() => self.table(key, table, schema),
             (Some(_), _) if name.as_str().is_some() => Ok(()),
             _ => {
-                let hint = name
-                    .as_str()
-                    .map(|name| did_you_mean(name, &names))
-                    .unwrap_or_default();
-                let message = format!(
-                    "must be one of {}, is {}{hint}",
-                    quoted(&names),
-                    shown(name)
-                );
+                let hint = name.as_str().map(|name| did_you_mean(name, &names)).unwrap_or_default();
+                let message = format!("must be one of {}, is {}{hint}", quoted(&names), shown(name));
                 Err(Fault::new("invalid_value", &key_of_name, message))
             }
         }
@@ -227,20 +175,13 @@ impl<'s> Walk<'s> {
 }
 
 fn choice_name(choice: &Value) -> Option<&str> {
-    choice
-        .pointer("/properties/kind/const")
-        .or_else(|| choice.get("const"))?
-        .as_str()
+    choice.pointer("/properties/kind/const").or_else(|| choice.get("const"))?.as_str()
 }
 
 fn type_name(schema: &Value) -> &str {
     match schema.get("type") {
         Some(Value::String(name)) => name,
-        Some(Value::Array(names)) => names
-            .iter()
-            .filter_map(Value::as_str)
-            .find(|n| *n != "null")
-            .unwrap_or(""),
+        Some(Value::Array(names)) => names.iter().filter_map(Value::as_str).find(|n| *n != "null").unwrap_or(""),
         _ => "",
     }
 }
@@ -254,11 +195,7 @@ fn wanted(schema: &Value) -> String {
     if let Some(choices) = schema.get("oneOf").and_then(Value::as_array) {
         let names: Vec<&str> = choices.iter().filter_map(choice_name).collect();
         let tagged = choices.iter().any(|one| one.get("properties").is_some());
-        let lead = if tagged {
-            "a table with a kind of"
-        } else {
-            "one of"
-        };
+        let lead = if tagged { "a table with a kind of" } else { "one of" };
         return format!("{lead} {}", quoted(&names));
     }
     match type_name(schema) {
@@ -298,11 +235,7 @@ fn shown(value: &DeValue<'_>) -> String {
 }
 
 fn quoted(names: &[&str]) -> String {
-    names
-        .iter()
-        .map(|name| format!("\"{name}\""))
-        .collect::<Vec<_>>()
-        .join(", ")
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
 /// The nearest right name, when the wrong one looks like a slip of it.

@@ -23,10 +23,7 @@ fn rows(bytes: &[u8]) -> Result<Vec<[f64; 2]>, Defect> {
         let message = "must be UTF-8 text with two columns, r_mm,pressure_kpa, in every row";
         Defect::new(error.position().map(line_of), message)
     };
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_reader(bytes);
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
     if reader.headers().map_err(csv_error)?.iter().ne(HEADER) {
         return Err(Defect::new(1, "must start with the line r_mm,pressure_kpa"));
     }
@@ -38,34 +35,22 @@ fn rows(bytes: &[u8]) -> Result<Vec<[f64; 2]>, Defect> {
             let text = record.get(column).unwrap_or("");
             match text.parse::<f64>() {
                 Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-                _ => Err(Defect::new(
-                    line,
-                    format!("{name} must be a finite number, zero or more, is {text:?}"),
-                )),
+                _ => Err(Defect::new(line, format!("{name} must be a finite number, zero or more, is {text:?}"))),
             }
         };
         let row = [cell(0, HEADER[0])?, cell(1, HEADER[1])?];
         if let Some(before) = rows.last()
             && row[0] <= before[0]
         {
-            return Err(Defect::new(
-                line,
-                format!("r_mm must ascend, is {} after {}", row[0], before[0]),
-            ));
+            return Err(Defect::new(line, format!("r_mm must ascend, is {} after {}", row[0], before[0])));
         }
         if rows.len() == MAX_ROWS {
-            return Err(Defect::new(
-                line,
-                format!("must have at most {MAX_ROWS} rows"),
-            ));
+            return Err(Defect::new(line, format!("must have at most {MAX_ROWS} rows")));
         }
         rows.push(row);
     }
     if rows.len() < 2 {
-        let message = format!(
-            "must have at least 2 rows of r_mm,pressure_kpa, has {}",
-            rows.len()
-        );
+        let message = format!("must have at least 2 rows of r_mm,pressure_kpa, has {}", rows.len());
         return Err(Defect::new(None, message));
     }
     Ok(rows)
@@ -95,26 +80,14 @@ mod tests {
     fn a_bad_table_says_line_and_rule() {
         for (text, said) in [
             ("", "p.csv:1: must start with the line r_mm,pressure_kpa"),
-            (
-                "r,p\n0,1\n1,2\n",
-                "p.csv:1: must start with the line r_mm,pressure_kpa",
-            ),
-            (
-                "r_mm,pressure_kpa\n0,1\n",
-                "p.csv: must have at least 2 rows of r_mm,pressure_kpa, has 1",
-            ),
-            (
-                "r_mm,pressure_kpa\n0,1\n0,2\n",
-                "p.csv:3: r_mm must ascend, is 0 after 0",
-            ),
+            ("r,p\n0,1\n1,2\n", "p.csv:1: must start with the line r_mm,pressure_kpa"),
+            ("r_mm,pressure_kpa\n0,1\n", "p.csv: must have at least 2 rows of r_mm,pressure_kpa, has 1"),
+            ("r_mm,pressure_kpa\n0,1\n0,2\n", "p.csv:3: r_mm must ascend, is 0 after 0"),
             (
                 "r_mm,pressure_kpa\n0,nan\n1,2\n",
                 "p.csv:2: pressure_kpa must be a finite number, zero or more, is \"nan\"",
             ),
-            (
-                "r_mm,pressure_kpa\n-1,0\n1,2\n",
-                "p.csv:2: r_mm must be a finite number, zero or more, is \"-1\"",
-            ),
+            ("r_mm,pressure_kpa\n-1,0\n1,2\n", "p.csv:2: r_mm must be a finite number, zero or more, is \"-1\""),
             (
                 "r_mm,pressure_kpa\n0,1\n1\n",
                 "p.csv:3: must be UTF-8 text with two columns, r_mm,pressure_kpa, in every row",

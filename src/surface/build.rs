@@ -1,7 +1,7 @@
 //! From a scene's touch to the shape of every interface.
 
 use super::{Cap, HeightField, Mesh, Surface};
-use crate::image_io::grid;
+use crate::image_io::{Grid, read_grid as read_grid_file};
 use crate::scene::{Inner, LoadedScene, Normals, Shape, read_mesh, read_pressure_table};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -35,16 +35,13 @@ pub fn surface(loaded: &LoadedScene) -> Result<Surface, SurfaceError> {
     let share = shares(loaded);
     let footprint = scene.stack.footprint_mm;
     let points = scene.render.height_field_points as usize;
-    let short = || SurfaceError::Shape {
-        key: "touch.shape",
-        message: "a height field needs at least 3 x 3 samples".into(),
-    };
+    let short =
+        || SurfaceError::Shape { key: "touch.shape", message: "a height field needs at least 3 x 3 samples".into() };
     match &scene.touch.shape {
         Shape::Flat => Ok(Surface::Flat),
-        &Shape::SphericalDent { depth_mm, radius_mm, center_mm } => Ok(Surface::Cap {
-            cap: Cap { center_mm, depth_mm, rim_mm: radius_mm },
-            share,
-        }),
+        &Shape::SphericalDent { depth_mm, radius_mm, center_mm } => {
+            Ok(Surface::Cap { cap: Cap { center_mm, depth_mm, rim_mm: radius_mm }, share })
+        }
         &Shape::GaussianDent { depth_mm, sigma_mm, center_mm } => {
             let height = |x: f64, y: f64| {
                 let r_sq = (x - center_mm[0]).powi(2) + (y - center_mm[1]).powi(2);
@@ -56,7 +53,8 @@ pub fn surface(loaded: &LoadedScene) -> Result<Surface, SurfaceError> {
         Shape::HeightMap { file, scale_mm } => {
             let grid = read_grid(loaded, file, "touch.shape.file")?;
             let samples: Vec<f64> = grid.values.iter().map(|v| v * scale_mm).collect();
-            let field = HeightField::interpolate(grid.columns, grid.rows, footprint, &samples).ok_or_else(short)?;
+            let field = HeightField::interpolate(grid.columns as usize, grid.rows as usize, footprint, &samples)
+                .ok_or_else(short)?;
             fields(loaded, &field, &share)
         }
         Shape::Mesh { file, normals } => mesh(loaded, file, *normals),
@@ -82,10 +80,7 @@ fn shares(loaded: &LoadedScene) -> Vec<f64> {
 
 fn fields(loaded: &LoadedScene, field: &HeightField, share: &[f64]) -> Result<Surface, SurfaceError> {
     let heights = loaded.scene.stack.interface_heights_mm();
-    let interfaces: Vec<Option<HeightField>> = share
-        .iter()
-        .map(|&s| (s != 0.0).then(|| field.scaled(s)))
-        .collect();
+    let interfaces: Vec<Option<HeightField>> = share.iter().map(|&s| (s != 0.0).then(|| field.scaled(s))).collect();
     let range = |i: usize| interfaces[i].as_ref().map_or([0.0, 0.0], HeightField::range_mm);
     for i in 1..heights.len() {
         // The difference of two splines of one shape stays within its control points, so this test is exact for it.
@@ -95,7 +90,9 @@ fn fields(loaded: &LoadedScene, field: &HeightField, share: &[f64]) -> Result<Su
                 key: "touch.shape",
                 message: format!(
                     "the interface at {} mm is pushed down by up to {:.4} mm, through the one at {} mm; press less deep, or let inner = \"follow\"",
-                    heights[i], -range(i)[0], heights[i - 1]
+                    heights[i],
+                    -range(i)[0],
+                    heights[i - 1]
                 ),
             });
         }
@@ -126,10 +123,14 @@ fn mesh(loaded: &LoadedScene, file: &Path, normals: Normals) -> Result<Surface, 
 }
 
 /// A grid file of the scene with row 0 at negative y (files have it at positive y).
-pub(super) fn read_grid(loaded: &LoadedScene, file: &Path, key: &'static str) -> Result<grid::Grid, SurfaceError> {
+pub(super) fn read_grid(loaded: &LoadedScene, file: &Path, key: &'static str) -> Result<Grid, SurfaceError> {
     let path = loaded.folder.join(file);
-    let mut grid = grid::read_grid(&path).map_err(|e| SurfaceError::File { key: key.into(), file: path, message: e.to_string() })?;
-    let columns = grid.columns.max(1);
+    let mut grid = read_grid_file(&path).map_err(|e| SurfaceError::File {
+        key: key.into(),
+        file: path,
+        message: e.to_string(),
+    })?;
+    let columns = grid.columns.max(1) as usize;
     grid.values = grid.values.chunks(columns).rev().flatten().copied().collect();
     Ok(grid)
 }

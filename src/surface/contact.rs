@@ -65,7 +65,7 @@ fn share_grid(loaded: &LoadedScene, contact: &Contact) -> Result<ContactMap, Sur
     let (columns, rows, pressure) = match &contact.pressure {
         Pressure::Map { file, scale_kpa } => {
             let grid = super::build::read_grid(loaded, file, "touch.contact.pressure.file")?;
-            (grid.columns, grid.rows, grid.values.iter().map(|v| v * scale_kpa).collect())
+            (grid.columns as usize, grid.rows as usize, grid.values.iter().map(|v| v * scale_kpa).collect())
         }
         analytic => {
             let profile = profile(loaded, analytic)?;

@@ -39,10 +39,7 @@ impl HeightField {
         Some(Self {
             columns,
             rows,
-            per_mm: [
-                (columns - 1) as f64 / footprint_mm[0],
-                (rows - 1) as f64 / footprint_mm[1],
-            ],
+            per_mm: [(columns - 1) as f64 / footprint_mm[0], (rows - 1) as f64 / footprint_mm[1]],
             control,
         })
     }

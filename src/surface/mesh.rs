@@ -1,7 +1,7 @@
 //! The touched face as triangles in a bounding-volume tree.
 
 use glam::Vec3A;
-use obvhs::{BuildParams, bvh2::builder::build_bvh2, triangle::Triangle};
+use obvhs::{BvhBuildParams, bvh2::builder::build_bvh2, triangle::Triangle};
 use std::time::Duration;
 
 /// Triangles in the order of the tree's leaves, with the tree.
@@ -67,7 +67,7 @@ impl Mesh {
             Triangle { v0: v[0], v1: v[1], v2: v[2] }
         };
         let boxes: Vec<Triangle> = faces.iter().map(|(_, c, _)| triangle(c)).collect();
-        let tree = build_bvh2(&boxes, BuildParams::medium_build(), &mut Duration::default());
+        let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
         let order = tree.primitive_indices.iter().map(|&k| &faces[k as usize]);
         let (mut corners, mut normals) = (Vec::new(), Vec::new());
         for (index, c, facet) in order {
@@ -104,11 +104,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn unit(a: [f64; 3]) -> [f64; 3] {

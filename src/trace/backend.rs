@@ -10,7 +10,9 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum TraceError {
     /// A GPU was asked for and none is there.
-    #[error("no Vulkan, Metal or DX12 adapter found; use --backend cpu, or install a driver (lavapipe: mesa-vulkan-drivers)")]
+    #[error(
+        "no Vulkan, Metal or DX12 adapter found; use --backend cpu, or install a driver (lavapipe: mesa-vulkan-drivers)"
+    )]
     NoAdapter,
     /// The device went away.
     #[error("the GPU device was lost ({0}); nothing was written")]
@@ -103,7 +105,11 @@ pub enum Backend {
 
 impl Backend {
     /// Chooses a backend and loads the model. Says in the second value why the CPU was taken, where it was not asked for.
-    pub fn open(choice: BackendChoice, precision: Precision, model: &Model<f64>) -> Result<(Self, Option<String>), TraceError> {
+    pub fn open(
+        choice: BackendChoice,
+        precision: Precision,
+        model: &Model<f64>,
+    ) -> Result<(Self, Option<String>), TraceError> {
         let cpu = || match precision {
             Precision::F32 => Self::Cpu32(Box::new(CpuTracer::new(model.cast()))),
             Precision::F64 => Self::Cpu64(Box::new(CpuTracer::new(model.cast()))),
@@ -150,7 +156,13 @@ impl Backend {
     }
 
     /// Traces `samples` paths, from `first_sample` on, for `pixels` pixels from `first_pixel` on.
-    pub fn camera(&mut self, mode: CameraMode, seed: u32, pixels: [u32; 2], samples: [u32; 2]) -> Result<(), TraceError> {
+    pub fn camera(
+        &mut self,
+        mode: CameraMode,
+        seed: u32,
+        pixels: [u32; 2],
+        samples: [u32; 2],
+    ) -> Result<(), TraceError> {
         match self {
             Self::Gpu(gpu) => gpu.camera(mode, seed, pixels, samples)?,
             Self::Cpu32(cpu) => cpu.camera(mode, seed, pixels, samples),
@@ -257,10 +269,7 @@ impl<T: Real> CpuTracer<T> {
     }
 
     fn photons(&mut self, mode: PhotonMode, seed: u32, threads: u32, samples: [u32; 2]) {
-        let deposits = Deposits {
-            cells: &self.deposits,
-            splatted: mode == PhotonMode::Splat,
-        };
+        let deposits = Deposits { cells: &self.deposits, splatted: mode == PhotonMode::Splat };
         let deposits = (mode != PhotonMode::Ledger).then_some(&deposits);
         let tally = cpu::photons::send(&self.model, deposits, seed, threads, samples);
         self.tally.iter_mut().zip(tally).for_each(|(sum, v)| *sum += v);

@@ -44,7 +44,8 @@ impl Totals {
     pub fn ledger(&self) -> Ledger {
         let sent = self.tally[book::EMITTED].max(1) as f64;
         let share = |slot: usize| self.tally[slot] as f64 / sent;
-        let parts = [book::ABSORBED, book::TOP, book::BOTTOM, book::SIDES, book::DETECTED, book::TERMINATED, book::ROULETTE];
+        let parts =
+            [book::ABSORBED, book::TOP, book::BOTTOM, book::SIDES, book::DETECTED, book::TERMINATED, book::ROULETTE];
         let found: i64 = parts.iter().map(|&slot| self.tally[slot]).sum();
         Ledger {
             emitted: share(book::EMITTED),
@@ -74,10 +75,7 @@ pub struct Pacer {
 
 impl Default for Pacer {
     fn default() -> Self {
-        Self {
-            camera: 65_536.0,
-            photons: 65_536.0,
-        }
+        Self { camera: 65_536.0, photons: 65_536.0 }
     }
 }
 
@@ -129,7 +127,14 @@ impl Batch<'_> {
         self.photons(PhotonMode::Ledger, u32::MAX, photons, observe).map(|_| ())
     }
 
-    fn camera(&mut self, mode: CameraMode, index: u32, spp: u32, unit: f64, observe: &mut Observer) -> Result<Vec<f64>, TraceError> {
+    fn camera(
+        &mut self,
+        mode: CameraMode,
+        index: u32,
+        spp: u32,
+        unit: f64,
+        observe: &mut Observer,
+    ) -> Result<Vec<f64>, TraceError> {
         let pixels = self.model.camera.size[0] * self.model.camera.size[1];
         let seed = stream(self.seed, index, 0);
         self.backend.clear_film()?;
@@ -161,7 +166,13 @@ impl Batch<'_> {
     }
 
     /// Returns the deposits in their units, and the photons sent.
-    fn photons(&mut self, mode: PhotonMode, index: u32, photons: u64, observe: &mut Observer) -> Result<(Vec<u64>, u64), TraceError> {
+    fn photons(
+        &mut self,
+        mode: PhotonMode,
+        index: u32,
+        photons: u64,
+        observe: &mut Observer,
+    ) -> Result<(Vec<u64>, u64), TraceError> {
         let threads = photons.clamp(1, u64::from(THREADS)) as u32;
         let each = photons.div_ceil(u64::from(threads)).min(u64::from(u32::MAX)) as u32;
         let seed = stream(self.seed, index, 1);

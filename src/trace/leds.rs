@@ -85,7 +85,12 @@ pub(super) fn leds(loaded: &LoadedScene) -> Result<Lit, SurfaceError> {
 }
 
 /// One LED and its power in W/m^2 times mm^2, that is uW.
-fn one(loaded: &LoadedScene, led: &scene::Led, k: usize, tables: &mut Vec<[f64; 2]>) -> Result<(Led<f64>, f64), SurfaceError> {
+fn one(
+    loaded: &LoadedScene,
+    led: &scene::Led,
+    k: usize,
+    tables: &mut Vec<[f64; 2]>,
+) -> Result<(Led<f64>, f64), SurfaceError> {
     let radius = 0.5 * led.diameter_mm;
     let area = PI * radius * radius;
     let cos_cutoff = led.cutoff_half_angle_deg.map_or(0.0, |a| a.to_radians().cos());

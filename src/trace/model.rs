@@ -336,12 +336,7 @@ impl Model<f64> {
 
 fn layers(scene: &scene::Scene) -> Vec<Layer<f64>> {
     let n_0 = scene.stack.surround_n;
-    let layer = |n: f64, absorption: f64| Layer {
-        n,
-        n_sq: n * n,
-        absorption,
-        side_dn_sq: (n_0 - n) * (n_0 + n),
-    };
+    let layer = |n: f64, absorption: f64| Layer { n, n_sq: n * n, absorption, side_dn_sq: (n_0 - n) * (n_0 + n) };
     let inside = scene.stack.layer.iter().rev();
     std::iter::once(layer(n_0, 0.0))
         .chain(inside.map(|l| layer(l.index(scene.light.wavelength_nm), l.absorption_per_mm)))
@@ -388,9 +383,15 @@ fn shape(surface: &Surface, interfaces: usize) -> (Shape<f64>, Vec<f64>) {
     (shape, shares)
 }
 
-fn faces(scene: &scene::Scene, surface: &Surface, layers: &[Layer<f64>], heights: &[f64], shares: &[f64]) -> Vec<Face<f64>> {
-    let roughness = std::iter::once(&scene.stack.lower_roughness)
-        .chain(scene.stack.layer.iter().rev().map(|l| &l.upper_roughness));
+fn faces(
+    scene: &scene::Scene,
+    surface: &Surface,
+    layers: &[Layer<f64>],
+    heights: &[f64],
+    shares: &[f64],
+) -> Vec<Face<f64>> {
+    let roughness =
+        std::iter::once(&scene.stack.lower_roughness).chain(scene.stack.layer.iter().rev().map(|l| &l.upper_roughness));
     let mut field = 0;
     heights
         .iter()
@@ -484,11 +485,5 @@ fn camera(c: &scene::Camera) -> Camera<f64> {
             (1e-3 * c.pixel_pitch_um / pixel_tan / (2.0 * c.sensor.f_number), focus_mm)
         }
     };
-    Camera {
-        size: c.pixels,
-        pixel_tan,
-        distance: c.distance_mm,
-        lens_radius,
-        focus,
-    }
+    Camera { size: c.pixels, pixel_tan, distance: c.distance_mm, lens_radius, focus }
 }

@@ -42,8 +42,13 @@ impl Plan {
         let unsuited = |why: &str| Err(TraceError::Unsuited(why.into()));
         match asked {
             Integrator::Path => plan(Method::Path, "asked for"),
-            Integrator::Auto if !kernel.touched => plan(Method::Path, "no tissue touches: there is no diffuse light to gather"),
-            Integrator::Auto => plan(Method::Map, "tissue touches: photons gather its diffuse light, camera paths see it through the exact geometry"),
+            Integrator::Auto if !kernel.touched => {
+                plan(Method::Path, "no tissue touches: there is no diffuse light to gather")
+            }
+            Integrator::Auto => plan(
+                Method::Map,
+                "tissue touches: photons gather its diffuse light, camera paths see it through the exact geometry",
+            ),
             Integrator::Map | Integrator::Splat if !kernel.touched => {
                 unsuited("--integrator map and splat need tissue in contact; this scene has none: use path")
             }
@@ -51,8 +56,12 @@ impl Plan {
             Integrator::Splat if kernel.deformed() => {
                 unsuited("--integrator splat needs flat interfaces; this scene deforms them: use map or path")
             }
-            Integrator::Splat if kernel.lens => unsuited("--integrator splat needs a pinhole; this scene has a lens: use map or path"),
-            Integrator::Splat if kernel.rough => unsuited("--integrator splat needs smooth interfaces; this scene has rough ones: use map or path"),
+            Integrator::Splat if kernel.lens => {
+                unsuited("--integrator splat needs a pinhole; this scene has a lens: use map or path")
+            }
+            Integrator::Splat if kernel.rough => {
+                unsuited("--integrator splat needs smooth interfaces; this scene has rough ones: use map or path")
+            }
             Integrator::Splat => plan(Method::Splat, "asked for"),
         }
     }

@@ -82,7 +82,11 @@ pub struct Outcome {
 }
 
 /// Renders a model. `observe` is called between chunks; false stops the work.
-pub fn render(model: &Model<f64>, settings: &Settings, observe: &mut dyn FnMut(Stage) -> bool) -> Result<Outcome, TraceError> {
+pub fn render(
+    model: &Model<f64>,
+    settings: &Settings,
+    observe: &mut dyn FnMut(Stage) -> bool,
+) -> Result<Outcome, TraceError> {
     let plan = Plan::choose(settings.integrator, &Kernel::of(model))?;
     let start = Instant::now();
     let (mut backend, notice) = Backend::open(settings.backend, settings.precision, model)?;
@@ -101,7 +105,9 @@ pub fn render(model: &Model<f64>, settings: &Settings, observe: &mut dyn FnMut(S
     // A throw-away pilot of one path per pixel compiles the kernels and measures the machine.
     let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
     let pilot = Work { spp: 1, photons: work.photons.min(pixels) };
-    batch.replicate(u32::MAX, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| observe(Stage { done: 0.0, what: "compiling kernels" }))?;
+    batch.replicate(u32::MAX, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| {
+        observe(Stage { done: 0.0, what: "compiling kernels" })
+    })?;
     let setup_seconds = start.elapsed().as_secs_f64();
     batch.totals = Totals::default();
     let start = Instant::now();
@@ -110,10 +116,7 @@ pub fn render(model: &Model<f64>, settings: &Settings, observe: &mut dyn FnMut(S
         batch.replicate(u32::MAX, pilot, &mut |_, _| observe(Stage { done: 0.0, what: "measuring the machine" }))?;
         batch.totals = Totals::default();
         let scale = (budget / timer.elapsed().as_secs_f64() / f64::from(REPLICATES) / 1.5).clamp(1.0, 1e6);
-        work = Work {
-            spp: scale as u32,
-            photons: (pilot.photons as f64 * scale) as u64,
-        };
+        work = Work { spp: scale as u32, photons: (pilot.photons as f64 * scale) as u64 };
     }
     let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
     let needs_ledger = batch.method == super::plan::Method::Path;

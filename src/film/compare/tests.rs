@@ -44,22 +44,14 @@ fn counted(seed: u64, size: [u32; 2], count: f64) -> Film {
 }
 
 /// A film of `truth` with relative noise of its pixels `error`; squares of `patch` pixels share their noise.
-fn film(
-    seed: u64,
-    size: [u32; 2],
-    error: f64,
-    patch: u32,
-    truth: impl Fn(u32, u32) -> f64,
-) -> Film {
+fn film(seed: u64, size: [u32; 2], error: f64, patch: u32, truth: impl Fn(u32, u32) -> f64) -> Film {
     let [width, height] = size;
     let mut noise = Noise(seed.wrapping_mul(0x1234_5678_9abc_def1));
     let mut sums = BlockAccumulator::new(width, height);
     let scale = error * f64::from(REPLICATES).sqrt();
     for _ in 0..REPLICATES {
         let columns = width.div_ceil(patch);
-        let shared: Vec<f64> = (0..columns * height.div_ceil(patch))
-            .map(|_| noise.normal())
-            .collect();
+        let shared: Vec<f64> = (0..columns * height.div_ceil(patch)).map(|_| noise.normal()).collect();
         let pixel = |index: u32| {
             let (x, y) = (index % width, index / width);
             let z = shared[(y / patch * columns + x / patch) as usize];
@@ -85,14 +77,8 @@ fn equal_light_with_other_noise_fails_no_oftener_than_the_level() {
     };
     let failures = (0..200).filter(|&seed| fails(seed)).count();
     // Binomial: 20 expected, standard deviation 4.2; 33 is three of them above.
-    assert!(
-        failures <= 33,
-        "{failures} of 200 equal pairs failed at level {level}"
-    );
-    assert!(
-        failures >= 1,
-        "a test that never fails at level {level} has no power"
-    );
+    assert!(failures <= 33, "{failures} of 200 equal pairs failed at level {level}");
+    assert!(failures >= 1, "a test that never fails at level {level} has no power");
 }
 
 #[test]
@@ -104,10 +90,7 @@ fn a_hundredth_more_light_on_a_patch_is_found_in_noise_three_times_as_large() {
     let sound = film(2, [128, 96], 0.03, 1, |_, _| 1.0);
     let result = compare(&a, &faulty, 1e-3).unwrap();
     // A pixel sees 0.24 standard errors, a block of 16 inside the patch 3.8, one of 64 5.9.
-    assert!(
-        result.tests[0].passed,
-        "pixels alone cannot see it: {result:?}"
-    );
+    assert!(result.tests[0].passed, "pixels alone cannot see it: {result:?}");
     assert!(!result.passed, "{result:?}");
     assert!(compare(&a, &sound, 1e-3).unwrap().passed);
 }
@@ -117,24 +100,13 @@ fn noise_shared_by_neighbours_gives_no_alarm_from_replicates_or_from_the_stored_
     let level = 0.1;
     let stored = |film: &Film| {
         let inflation = film.inflation();
-        Film {
-            blocks: Vec::new(),
-            ..film.clone()
-        }
-        .with_blocks(&inflation)
+        Film { blocks: Vec::new(), ..film.clone() }.with_blocks(&inflation)
     };
-    let plain = |film: &Film| Film {
-        blocks: Vec::new(),
-        ..film.clone()
-    };
+    let plain = |film: &Film| Film { blocks: Vec::new(), ..film.clone() };
     let mut failures = [0; 3];
     for seed in 0..100 {
         let [a, b] = [2 * seed, 2 * seed + 1].map(|seed| film(seed, [64, 48], 0.05, 5, blob));
-        let pairs = [
-            (a.clone(), b.clone()),
-            (stored(&a), stored(&b)),
-            (plain(&a), plain(&b)),
-        ];
+        let pairs = [(a.clone(), b.clone()), (stored(&a), stored(&b)), (plain(&a), plain(&b))];
         for (count, (a, b)) in failures.iter_mut().zip(&pairs) {
             *count += usize::from(!compare(a, b, level).unwrap().passed);
         }
@@ -143,10 +115,7 @@ fn noise_shared_by_neighbours_gives_no_alarm_from_replicates_or_from_the_stored_
     assert!(failures[0] <= 19, "replicate blocks: {failures:?}");
     assert!(failures[1] <= 19, "stored factor: {failures:?}");
     // The fault this guards against: pixels taken as independent. Blocks of 16 then err by a factor of about 5.
-    assert!(
-        failures[2] >= 90,
-        "without the factor nearly all should fail: {failures:?}"
-    );
+    assert!(failures[2] >= 90, "without the factor nearly all should fail: {failures:?}");
 }
 
 #[test]
@@ -164,11 +133,7 @@ fn dark_films_agree_and_light_against_dark_does_not() {
 #[test]
 fn a_dark_hole_in_one_film_is_found() {
     let hole = |x: u32, y: u32| {
-        if (8..12).contains(&x) && (8..12).contains(&y) {
-            0.0
-        } else {
-            1.0
-        }
+        if (8..12).contains(&x) && (8..12).contains(&y) { 0.0 } else { 1.0 }
     };
     let whole = film(1, [64, 64], 0.05, 1, |_, _| 1.0);
     let holed = film(2, [64, 64], 0.05, 1, hole);
@@ -198,18 +163,9 @@ fn cells_near_the_least_light_are_not_chosen_by_their_own_noise() {
 
 #[test]
 fn films_without_noise_agree_to_rounding_and_no_further() {
-    let exact = |value: f32| Film {
-        width: 8,
-        height: 8,
-        mean: vec![value; 64],
-        variance: vec![0.0; 64],
-        ..Film::default()
-    };
-    assert!(
-        compare(&exact(1.0), &exact(1.000_003), 1e-3)
-            .unwrap()
-            .passed
-    );
+    let exact =
+        |value: f32| Film { width: 8, height: 8, mean: vec![value; 64], variance: vec![0.0; 64], ..Film::default() };
+    assert!(compare(&exact(1.0), &exact(1.000_003), 1e-3).unwrap().passed);
     assert!(!compare(&exact(1.0), &exact(1.000_1), 1e-3).unwrap().passed);
 }
 
@@ -217,32 +173,17 @@ fn films_without_noise_agree_to_rounding_and_no_further() {
 fn what_cannot_be_compared_is_refused() {
     let good = film(1, [8, 8], 0.1, 1, |_, _| 1.0);
     let other_size = film(1, [8, 9], 0.1, 1, |_, _| 1.0);
-    assert!(matches!(
-        compare(&good, &other_size, 1e-3),
-        Err(CompareError::Size { .. })
-    ));
-    assert!(matches!(
-        compare(&good, &good, 0.0),
-        Err(CompareError::Level(_))
-    ));
+    assert!(matches!(compare(&good, &other_size, 1e-3), Err(CompareError::Size { .. })));
+    assert!(matches!(compare(&good, &good, 0.0), Err(CompareError::Level(_))));
     let mut single = good.clone();
     single.replicates = 1;
-    assert!(matches!(
-        compare(&good, &single, 1e-3),
-        Err(CompareError::OneReplicate { .. })
-    ));
+    assert!(matches!(compare(&good, &single, 1e-3), Err(CompareError::OneReplicate { .. })));
     let mut broken = good.clone();
     broken.mean[3] = f32::NAN;
-    assert!(matches!(
-        compare(&broken, &good, 1e-3),
-        Err(CompareError::Value { index: 3, .. })
-    ));
+    assert!(matches!(compare(&broken, &good, 1e-3), Err(CompareError::Value { index: 3, .. })));
     let mut short = good.clone();
     short.variance.pop();
-    assert!(matches!(
-        compare(&short, &good, 1e-3),
-        Err(CompareError::Shape { .. })
-    ));
+    assert!(matches!(compare(&short, &good, 1e-3), Err(CompareError::Shape { .. })));
 }
 
 #[test]
@@ -252,8 +193,5 @@ fn the_ratio_and_its_interval_hold_the_truth() {
     let ratio = compare(&a, &b, 1e-3).unwrap().ratio.unwrap();
     // Both means err by 0.1/32 relative: the ratio by 1.5 * 0.0044 = 0.0066, its half interval is about twice that.
     assert!(ratio.low < 1.5 && 1.5 < ratio.high, "{ratio:?}");
-    assert!(
-        (0.008..0.022).contains(&(ratio.high - ratio.value)),
-        "{ratio:?}"
-    );
+    assert!((0.008..0.022).contains(&(ratio.high - ratio.value)), "{ratio:?}");
 }

@@ -31,9 +31,7 @@ pub struct TriangleMesh {
 impl TriangleMesh {
     fn add_vertex(&mut self, vertex: [f64; 3]) -> Result<u32, String> {
         if !vertex.iter().all(|coordinate| coordinate.is_finite()) {
-            return Err(format!(
-                "a vertex must be three finite numbers, is {vertex:?}"
-            ));
+            return Err(format!("a vertex must be three finite numbers, is {vertex:?}"));
         }
         if self.vertices.len() == MAX_VERTICES {
             return Err(format!("must have at most {MAX_VERTICES} vertices"));
@@ -48,10 +46,7 @@ impl TriangleMesh {
             return Err("a face must have at least 3 vertices, has 0".to_owned());
         };
         if rest.len() < 2 {
-            return Err(format!(
-                "a face must have at least 3 vertices, has {}",
-                corners.len()
-            ));
+            return Err(format!("a face must have at least 3 vertices, has {}", corners.len()));
         }
         for pair in rest.windows(2) {
             if self.triangles.len() == MAX_TRIANGLES {
@@ -71,11 +66,7 @@ impl TriangleMesh {
 /// # Errors
 /// When the file cannot be read, breaks its format or a limit, or holds no triangle.
 pub fn read_mesh(path: &Path) -> Result<TriangleMesh, DataFileError> {
-    let extension = path
-        .extension()
-        .and_then(|e| e.to_str())
-        .unwrap_or("")
-        .to_ascii_lowercase();
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let parse = match extension.as_str() {
         "obj" => obj::parse,
         "stl" => stl::parse,
@@ -92,16 +83,10 @@ fn checked(mesh: TriangleMesh) -> Result<TriangleMesh, Defect> {
         return Err(Defect::new(None, "must have at least one triangle"));
     }
     let count = mesh.vertices.len();
-    match mesh
-        .triangles
-        .iter()
-        .flatten()
-        .find(|&&index| index as usize >= count)
-    {
-        Some(index) => Err(Defect::new(
-            None,
-            format!("a face names vertex {index} (counted from 0) of {count} vertices"),
-        )),
+    match mesh.triangles.iter().flatten().find(|&&index| index as usize >= count) {
+        Some(index) => {
+            Err(Defect::new(None, format!("a face names vertex {index} (counted from 0) of {count} vertices")))
+        }
         None => Ok(mesh),
     }
 }
@@ -109,10 +94,7 @@ fn checked(mesh: TriangleMesh) -> Result<TriangleMesh, Defect> {
 /// Lines of a text file with their numbers, from 1.
 fn text_lines(bytes: &[u8]) -> impl Iterator<Item = (usize, std::borrow::Cow<'_, str>)> {
     // Names may be in any encoding; what is read is ASCII.
-    bytes
-        .split(|&byte| byte == b'\n')
-        .enumerate()
-        .map(|(index, line)| (index + 1, String::from_utf8_lossy(line)))
+    bytes.split(|&byte| byte == b'\n').enumerate().map(|(index, line)| (index + 1, String::from_utf8_lossy(line)))
 }
 
 #[cfg(test)]

@@ -13,23 +13,15 @@ pub(super) fn parse(bytes: &[u8]) -> Result<TriangleMesh, Defect> {
     let mut row = Row::default();
     for element in &header {
         // Without properties an element takes no bytes, and its count no bound.
-        let count = if element.properties.is_empty() {
-            0
-        } else {
-            element.count
-        };
+        let count = if element.properties.is_empty() { 0 } else { element.count };
         for index in 0..count {
-            let read = body
-                .row(element, &mut row)
-                .ok_or_else(|| "ends or is no number".to_owned());
+            let read = body.row(element, &mut row).ok_or_else(|| "ends or is no number".to_owned());
             let added = read.and_then(|()| match element.name.as_str() {
                 "vertex" => mesh.add_vertex(row.position).map(|_| ()),
                 "face" => mesh.add_polygon(&row.corners),
                 _ => Ok(()),
             });
-            added.map_err(|message| {
-                Defect::new(None, format!("{} {index}: {message}", element.name))
-            })?;
+            added.map_err(|message| Defect::new(None, format!("{} {index}: {message}", element.name)))?;
         }
     }
     Ok(mesh)
@@ -90,26 +82,20 @@ enum Body<'b> {
 
 impl Body<'_> {
     fn row(&mut self, element: &Element, row: &mut Row) -> Option<()> {
-        *row = Row {
-            position: [f64::NAN; 3],
-            corners: std::mem::take(&mut row.corners),
-        };
+        *row = Row { position: [f64::NAN; 3], corners: std::mem::take(&mut row.corners) };
         row.corners.clear();
         for property in &element.properties {
             match property.length {
                 None => {
                     let value = self.number(property.number)?;
-                    let axis = ["x", "y", "z"]
-                        .iter()
-                        .position(|axis| *axis == property.name);
+                    let axis = ["x", "y", "z"].iter().position(|axis| *axis == property.name);
                     if let Some(coordinate) = axis.and_then(|axis| row.position.get_mut(axis)) {
                         *coordinate = value;
                     }
                 }
                 Some(length) => {
                     let length = whole(self.number(length)?)?;
-                    let corners =
-                        matches!(property.name.as_str(), "vertex_indices" | "vertex_index");
+                    let corners = matches!(property.name.as_str(), "vertex_indices" | "vertex_index");
                     for _ in 0..length {
                         let value = self.number(property.number)?;
                         if corners {
@@ -155,16 +141,13 @@ fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), Defect> {
     let mut rest = bytes;
     for line in 1..=MAX_HEADER_LINES {
         let end = rest.iter().position(|&byte| byte == b'\n');
-        let Some((content, after)) =
-            end.and_then(|end| Some((rest.get(..end)?, rest.get(end + 1..)?)))
-        else {
+        let Some((content, after)) = end.and_then(|end| Some((rest.get(..end)?, rest.get(end + 1..)?))) else {
             break;
         };
         rest = after;
         let content = String::from_utf8_lossy(content);
         let words: Vec<&str> = content.split_whitespace().collect();
-        let wrong =
-            |message: &str| Defect::new(line, format!("{message}, is {:?}", content.trim()));
+        let wrong = |message: &str| Defect::new(line, format!("{message}, is {:?}", content.trim()));
         if line == 1 && words != ["ply"] {
             break;
         }
@@ -175,45 +158,26 @@ fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), Defect> {
                 return Err(wrong("the format must be ascii or binary_little_endian"));
             }
             ["element", name, count] => {
-                let count = count
-                    .parse()
-                    .map_err(|_| wrong("an element must be a name and a count"))?;
-                elements.push(Element {
-                    name: (*name).to_owned(),
-                    count,
-                    properties: Vec::new(),
-                });
+                let count = count.parse().map_err(|_| wrong("an element must be a name and a count"))?;
+                elements.push(Element { name: (*name).to_owned(), count, properties: Vec::new() });
             }
             ["property", definition @ ..] => {
-                let property = property(definition)
-                    .ok_or_else(|| wrong("a property must be a known type and a name"))?;
+                let property =
+                    property(definition).ok_or_else(|| wrong("a property must be a known type and a name"))?;
                 match elements.last_mut() {
                     Some(element) => element.properties.push(property),
                     None => return Err(wrong("a property must follow its element")),
                 }
             }
             ["end_header"] => {
-                let text = is_text
-                    .ok_or_else(|| wrong("the format must come before the end of the header"))?;
-                let words = rest
-                    .split(u8::is_ascii_whitespace)
-                    .filter(|word| !word.is_empty());
-                return Ok((
-                    elements,
-                    if text {
-                        Body::Text(Box::new(words))
-                    } else {
-                        Body::Binary(rest)
-                    },
-                ));
+                let text = is_text.ok_or_else(|| wrong("the format must come before the end of the header"))?;
+                let words = rest.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+                return Ok((elements, if text { Body::Text(Box::new(words)) } else { Body::Binary(rest) }));
             }
             _ => {}
         }
     }
-    Err(Defect::new(
-        None,
-        "is no PLY file: it must begin with ply and have a header up to end_header",
-    ))
+    Err(Defect::new(None, "is no PLY file: it must begin with ply and have a header up to end_header"))
 }
 
 fn property(words: &[&str]) -> Option<Property> {
@@ -222,9 +186,5 @@ fn property(words: &[&str]) -> Option<Property> {
         [number, name] => (None, number, name),
         _ => return None,
     };
-    Some(Property {
-        name: (*name).to_owned(),
-        length,
-        number: Number::named(number)?,
-    })
+    Some(Property { name: (*name).to_owned(), length, number: Number::named(number)? })
 }

@@ -20,10 +20,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<TriangleMesh, Defect> {
         Some(size) if size == bytes.len() => binary(bytes, size),
         _ if bytes.trim_ascii_start().starts_with(b"solid") => text(bytes),
         Some(size) if size < bytes.len() => binary(bytes, size),
-        _ => Err(Defect::new(
-            None,
-            "is neither text STL (it would begin with solid) nor a whole binary STL",
-        )),
+        _ => Err(Defect::new(None, "is neither text STL (it would begin with solid) nor a whole binary STL")),
     }
 }
 
@@ -48,11 +45,7 @@ impl Merged {
 
 fn binary(bytes: &[u8], size: usize) -> Result<TriangleMesh, Defect> {
     let mut merged = Merged::default();
-    for triangle in bytes
-        .get(HEADER_BYTES..size)
-        .unwrap_or_default()
-        .chunks_exact(TRIANGLE_BYTES)
-    {
+    for triangle in bytes.get(HEADER_BYTES..size).unwrap_or_default().chunks_exact(TRIANGLE_BYTES) {
         let mut numbers = triangle.chunks_exact(4).map(|four| match *four {
             [a, b, c, d] => f64::from(f32::from_le_bytes([a, b, c, d])),
             _ => f64::NAN,
@@ -65,14 +58,9 @@ fn binary(bytes: &[u8], size: usize) -> Result<TriangleMesh, Defect> {
             for coordinate in &mut vertex {
                 *coordinate = numbers.next().unwrap_or(f64::NAN);
             }
-            *corner = merged
-                .vertex(vertex)
-                .map_err(|message| Defect::new(None, message))?;
+            *corner = merged.vertex(vertex).map_err(|message| Defect::new(None, message))?;
         }
-        merged
-            .mesh
-            .add_polygon(&corners)
-            .map_err(|message| Defect::new(None, message))?;
+        merged.mesh.add_polygon(&corners).map_err(|message| Defect::new(None, message))?;
     }
     Ok(merged.mesh)
 }

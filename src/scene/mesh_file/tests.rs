@@ -2,7 +2,8 @@
 use super::*;
 use proptest::prelude::*;
 
-const OBJ: &str = "# a square\no plate\nv 0 0 1.5\nv 1 0 1.5 1.0\nv 1 1 1.5\nvn 0 0 1\nv 0 1 1.5\nf 1/7/1 2//1 3 -1 # quad\n";
+const OBJ: &str =
+    "# a square\no plate\nv 0 0 1.5\nv 1 0 1.5 1.0\nv 1 1 1.5\nvn 0 0 1\nv 0 1 1.5\nf 1/7/1 2//1 3 -1 # quad\n";
 const STL: &str = "solid plate\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1.5\nvertex 1 0 1.5\nvertex 1 1 1.5\nendloop\n\
                    endfacet\nfacet normal 0 0 1\nouter loop\nvertex -0 0 1.5\nvertex 1 1 1.5\nvertex 0 1 1.5\nendloop\n\
                    endfacet\nendsolid\n";
@@ -12,12 +13,7 @@ const PLY: &str = "ply\nformat ascii 1.0\ncomment a square\nelement vertex 4\npr
 
 fn square() -> TriangleMesh {
     TriangleMesh {
-        vertices: vec![
-            [0.0, 0.0, 1.5],
-            [1.0, 0.0, 1.5],
-            [1.0, 1.0, 1.5],
-            [0.0, 1.0, 1.5],
-        ],
+        vertices: vec![[0.0, 0.0, 1.5], [1.0, 0.0, 1.5], [1.0, 1.0, 1.5], [0.0, 1.0, 1.5]],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
     }
 }
@@ -40,12 +36,7 @@ fn binary_stl() -> Vec<u8> {
 }
 
 fn binary_ply() -> Vec<u8> {
-    let mut bytes = PLY
-        .split("end_header")
-        .next()
-        .unwrap()
-        .replace("ascii", "binary_little_endian")
-        .into_bytes();
+    let mut bytes = PLY.split("end_header").next().unwrap().replace("ascii", "binary_little_endian").into_bytes();
     bytes.extend(b"end_header\n");
     for [x, y, z] in square().vertices {
         bytes.extend((x as f32).to_le_bytes());
@@ -73,21 +64,12 @@ fn every_format_gives_the_same_square() {
 #[test]
 fn the_extension_tells_the_format_in_any_case() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, bytes) in [
-        ("a.obj", OBJ.as_bytes()),
-        ("b.STL", STL.as_bytes()),
-        ("c.Ply", PLY.as_bytes()),
-    ] {
+    for (name, bytes) in [("a.obj", OBJ.as_bytes()), ("b.STL", STL.as_bytes()), ("c.Ply", PLY.as_bytes())] {
         let path = folder.path().join(name);
         std::fs::write(&path, bytes).unwrap();
         assert_eq!(read_mesh(&path).unwrap(), square(), "{name}");
     }
-    assert!(
-        read_mesh(Path::new("x.glb"))
-            .unwrap_err()
-            .message
-            .contains(".obj, .stl or .ply")
-    );
+    assert!(read_mesh(Path::new("x.glb")).unwrap_err().message.contains(".obj, .stl or .ply"));
 }
 
 #[test]
@@ -98,33 +80,21 @@ fn obj_faults_are_named_with_their_line() {
         ("v 0 0 0\nf 1 1\n", Some(2), "at least 3"),
         ("v 0 0 0\nf 0 1 1\n", Some(2), "from 1"),
         ("v 0 0 0\nf -2 1 1\n", Some(2), "from 1"),
-        (
-            "v 0 0 0\nf 1 1 2\n",
-            None,
-            "names vertex 1 (counted from 0) of 1",
-        ),
+        ("v 0 0 0\nf 1 1 2\n", None, "names vertex 1 (counted from 0) of 1"),
         ("v 0 0 0\nf 1 1 9223372036854775807\n", Some(2), "from 1"),
         ("v 0 0 0\nf 1 1 -9223372036854775808\n", Some(2), "from 1"),
         ("v 0 0 0\n", None, "at least one triangle"),
     ] {
         let defect = obj::parse(text.as_bytes()).and_then(checked).unwrap_err();
         assert_eq!(defect.line, line, "{text:?}");
-        assert!(
-            defect.message.contains(part),
-            "{text:?}: {}",
-            defect.message
-        );
+        assert!(defect.message.contains(part), "{text:?}: {}", defect.message);
     }
 }
 
 #[test]
 fn truncated_files_are_refused() {
     let whole = binary_stl();
-    assert!(
-        stl::parse(&whole[..whole.len() - 1])
-            .and_then(checked)
-            .is_err()
-    );
+    assert!(stl::parse(&whole[..whole.len() - 1]).and_then(checked).is_err());
     assert!(stl::parse(b"").is_err());
     assert!(stl::parse(&STL.as_bytes()[..STL.find("vertex 1 1").unwrap()]).is_err());
     let whole = binary_ply();
@@ -138,10 +108,7 @@ fn counts_that_the_file_does_not_hold_cost_nothing() {
         ("element vertex 4", "element vertex 18446744073709551615"),
         ("element face 1", "element face 18446744073709551615"),
         ("4 0 1 2 3", "4294967295 0 1 2 3"),
-        (
-            "element edge 1\nproperty int a",
-            "element void 18446744073709551615",
-        ),
+        ("element edge 1\nproperty int a", "element void 18446744073709551615"),
     ] {
         let started = std::time::Instant::now();
         let _ = ply::parse(PLY.replace(from, to).as_bytes());
@@ -158,11 +125,7 @@ fn a_ply_of_another_byte_order_is_refused_by_name() {
     let text = PLY.replace("format ascii 1.0", "format binary_big_endian 1.0");
     let defect = ply::parse(text.as_bytes()).unwrap_err();
     assert_eq!(defect.line, Some(2));
-    assert!(
-        defect.message.contains("binary_little_endian"),
-        "{}",
-        defect.message
-    );
+    assert!(defect.message.contains("binary_little_endian"), "{}", defect.message);
 }
 
 fn mutated(mut bytes: Vec<u8>, changes: Vec<(usize, u8)>) -> Vec<u8> {

@@ -18,32 +18,18 @@ fn pressure(pressure: &Pressure, stack: &Stack) -> Result<(), Invalid> {
     let key = "touch.contact.pressure";
     let kpa = |name: &str, value: f64| number(&format!("{key}.{name}"), value, NOT_NEGATIVE, 1.0);
     match pressure {
-        Pressure::Disc {
-            radius_mm,
-            center_mm,
-            pressure_kpa,
-        } => {
+        Pressure::Disc { radius_mm, center_mm, pressure_kpa } => {
             number(&format!("{key}.radius_mm"), *radius_mm, POSITIVE, 4.0)?;
             disc_in_footprint(key, *radius_mm, *center_mm, stack)?;
             kpa("pressure_kpa", *pressure_kpa)
         }
-        Pressure::Hertz {
-            peak_kpa,
-            radius_mm,
-            center_mm,
-            base_kpa,
-        } => {
+        Pressure::Hertz { peak_kpa, radius_mm, center_mm, base_kpa } => {
             kpa("peak_kpa", *peak_kpa)?;
             number(&format!("{key}.radius_mm"), *radius_mm, POSITIVE, 4.0)?;
             center_in_footprint(key, *center_mm, stack)?;
             kpa("base_kpa", *base_kpa)
         }
-        Pressure::Gaussian {
-            peak_kpa,
-            sigma_mm,
-            center_mm,
-            base_kpa,
-        } => {
+        Pressure::Gaussian { peak_kpa, sigma_mm, center_mm, base_kpa } => {
             kpa("peak_kpa", *peak_kpa)?;
             number(&format!("{key}.sigma_mm"), *sigma_mm, POSITIVE, 3.0)?;
             center_in_footprint(key, *center_mm, stack)?;
@@ -61,32 +47,18 @@ fn pressure(pressure: &Pressure, stack: &Stack) -> Result<(), Invalid> {
 }
 
 fn law(law: ContactLaw) -> Result<(), Invalid> {
-    let positive = |name: &str, value: f64, example: f64| {
-        number(
-            &format!("touch.contact.law.{name}"),
-            value,
-            POSITIVE,
-            example,
-        )
-    };
+    let positive =
+        |name: &str, value: f64, example: f64| number(&format!("touch.contact.law.{name}"), value, POSITIVE, example);
     match law {
         ContactLaw::Full => Ok(()),
-        ContactLaw::Persson {
-            reduced_modulus_kpa,
-            rms_slope,
-        } => {
+        ContactLaw::Persson { reduced_modulus_kpa, rms_slope } => {
             positive("reduced_modulus_kpa", reduced_modulus_kpa, 100.0)?;
             positive("rms_slope", rms_slope, 0.1)
         }
         ContactLaw::GreenwoodWilliamson { pressure_scale_kpa } => {
             positive("pressure_scale_kpa", pressure_scale_kpa, 10.0)
         }
-        ContactLaw::PerssonUnloading {
-            reduced_modulus_kpa,
-            rms_slope,
-            peak_ratio,
-            hold_kpa,
-        } => {
+        ContactLaw::PerssonUnloading { reduced_modulus_kpa, rms_slope, peak_ratio, hold_kpa } => {
             positive("reduced_modulus_kpa", reduced_modulus_kpa, 100.0)?;
             positive("rms_slope", rms_slope, 0.1)?;
             number("touch.contact.law.peak_ratio", peak_ratio, 1.0.., 2.0)?;
@@ -98,14 +70,8 @@ fn law(law: ContactLaw) -> Result<(), Invalid> {
 fn tissue(tissue: &Tissue) -> Result<(), Invalid> {
     let key = |name: &str| format!("touch.contact.tissue.{name}");
     number(&key("n"), tissue.n, 1.0..=4.0, 1.4)?;
-    match (
-        tissue.diffuse_reflectance,
-        tissue.reduced_scattering_per_mm,
-        tissue.absorption_per_mm,
-    ) {
-        (Some(reflectance), None, None) => {
-            number(&key("diffuse_reflectance"), reflectance, 0.0..=1.0, 0.5)?
-        }
+    match (tissue.diffuse_reflectance, tissue.reduced_scattering_per_mm, tissue.absorption_per_mm) {
+        (Some(reflectance), None, None) => number(&key("diffuse_reflectance"), reflectance, 0.0..=1.0, 0.5)?,
         (None, Some(scattering), Some(absorption)) => {
             number(&key("reduced_scattering_per_mm"), scattering, POSITIVE, 1.0)?;
             number(&key("absorption_per_mm"), absorption, NOT_NEGATIVE, 0.01)?;
@@ -121,9 +87,7 @@ fn tissue(tissue: &Tissue) -> Result<(), Invalid> {
         (given, _, _) => {
             let message = match given {
                 Some(_) => "give it or the two coefficients, not both; for example 0.5",
-                None => {
-                    "give it, or reduced_scattering_per_mm and absorption_per_mm; for example 0.5"
-                }
+                None => "give it, or reduced_scattering_per_mm and absorption_per_mm; for example 0.5",
             };
             return Err(Invalid::new(key("diffuse_reflectance"), message));
         }

@@ -12,10 +12,7 @@ const TOUCHING_MM: f64 = 1e-9;
 pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
     let leds = &scene.led;
     if leds.is_empty() || leds.len() > MAX_LEDS {
-        let message = format!(
-            "must have from 1 to {MAX_LEDS} LEDs, has {}; give each an [[led]]",
-            leds.len()
-        );
+        let message = format!("must have from 1 to {MAX_LEDS} LEDs, has {}; give each an [[led]]", leds.len());
         return Err(Invalid::new("led", message));
     }
     for (index, led) in leds.iter().enumerate() {
@@ -47,29 +44,21 @@ fn on_its_wall(key: &str, led: &Led, stack: &Stack) -> Result<(), Invalid> {
     number(&diameter_key, led.diameter_mm, POSITIVE, 3.0)?;
     let largest = width.min(height);
     if led.diameter_mm > largest + TOUCHING_MM {
-        let message = format!(
-            "must be at most {largest} to fit on its wall of {width} by {height} mm, is {}",
-            led.diameter_mm
-        );
+        let message =
+            format!("must be at most {largest} to fit on its wall of {width} by {height} mm, is {}", led.diameter_mm);
         return Err(Invalid::new(diameter_key, message));
     }
     let radius = led.diameter_mm / 2.0;
     for (name, value, low, high) in [
-        (
-            "along_mm",
-            led.along_mm,
-            radius - width / 2.0,
-            width / 2.0 - radius,
-        ),
+        ("along_mm", led.along_mm, radius - width / 2.0, width / 2.0 - radius),
         ("height_mm", led.height_mm, radius, height - radius),
     ] {
         let key = format!("{key}.{name}");
         let middle = (low + high) / 2.0;
         number(&key, value, ANY, middle)?;
         if value < low - TOUCHING_MM || value > high + TOUCHING_MM {
-            let message = format!(
-                "the disc reaches over the edge of its wall: must be from {low} to {high}, is {value}"
-            );
+            let message =
+                format!("the disc reaches over the edge of its wall: must be from {low} to {high}, is {value}");
             return Err(Invalid::new(key, message));
         }
     }
@@ -92,15 +81,9 @@ fn light(key: &str, led: &Led) -> Result<(), Invalid> {
     let power_key = format!("{key}.power_mw");
     match (led.power_mw, led.radiance_w_per_m2_sr) {
         (Some(power), None) => number(&power_key, power, POSITIVE, 5.0)?,
-        (None, Some(radiance)) => number(
-            &format!("{key}.radiance_w_per_m2_sr"),
-            radiance,
-            POSITIVE,
-            1.0,
-        )?,
+        (None, Some(radiance)) => number(&format!("{key}.radiance_w_per_m2_sr"), radiance, POSITIVE, 1.0)?,
         (Some(_), Some(_)) => {
-            let message =
-                "give power_mw or radiance_w_per_m2_sr, not both; for example power_mw = 5.0";
+            let message = "give power_mw or radiance_w_per_m2_sr, not both; for example power_mw = 5.0";
             return Err(Invalid::new(power_key, message));
         }
         (None, None) => {
@@ -109,20 +92,10 @@ fn light(key: &str, led: &Led) -> Result<(), Invalid> {
         }
     }
     if let Some(cutoff) = led.cutoff_half_angle_deg {
-        number(
-            &format!("{key}.cutoff_half_angle_deg"),
-            cutoff,
-            above(0.0, 90.0, true),
-            72.0,
-        )?;
+        number(&format!("{key}.cutoff_half_angle_deg"), cutoff, above(0.0, 90.0, true), 72.0)?;
     }
     if let Pattern::CosinePower { half_power_deg } = led.pattern {
-        number(
-            &format!("{key}.pattern.half_power_deg"),
-            half_power_deg,
-            above(0.0, 90.0, false),
-            60.0,
-        )?;
+        number(&format!("{key}.pattern.half_power_deg"), half_power_deg, above(0.0, 90.0, false), 60.0)?;
     }
     Ok(())
 }

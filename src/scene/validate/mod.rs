@@ -25,10 +25,7 @@ pub struct Invalid {
 
 impl Invalid {
     fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
-        Self {
-            key: key.into(),
-            message: message.into(),
-        }
+        Self { key: key.into(), message: message.into() }
     }
 }
 
@@ -38,12 +35,7 @@ impl Invalid {
 /// The first rule that the scene breaks.
 pub fn validate(scene: &Scene) -> Result<(), Invalid> {
     name(&scene.name)?;
-    number(
-        "light.wavelength_nm",
-        scene.light.wavelength_nm,
-        200.0..=2000.0,
-        532.0,
-    )?;
+    number("light.wavelength_nm", scene.light.wavelength_nm, 200.0..=2000.0, 532.0)?;
     stack::check(scene)?;
     led::check(scene)?;
     camera::check(&scene.camera)?;
@@ -89,12 +81,7 @@ fn render(scene: &Scene) -> Result<(), Invalid> {
         );
         return Err(Invalid::new("render.map_texel_mm", message));
     }
-    whole(
-        "render.height_field_points",
-        render.height_field_points.into(),
-        16..=2048,
-        256,
-    )
+    whole("render.height_field_points", render.height_field_points.into(), 16..=2048, 256)
 }
 
 #[cfg(test)]

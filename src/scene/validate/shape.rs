@@ -14,11 +14,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
     let stack = &scene.stack;
     match &scene.touch.shape {
         Shape::Flat => Ok(()),
-        Shape::SphericalDent {
-            depth_mm,
-            radius_mm,
-            center_mm,
-        } => {
+        Shape::SphericalDent { depth_mm, radius_mm, center_mm } => {
             depth(*depth_mm, scene)?;
             number("touch.shape.radius_mm", *radius_mm, POSITIVE, 4.0)?;
             if depth_mm > radius_mm {
@@ -29,11 +25,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
             }
             disc_in_footprint("touch.shape", *radius_mm, *center_mm, stack)
         }
-        Shape::GaussianDent {
-            depth_mm,
-            sigma_mm,
-            center_mm,
-        } => {
+        Shape::GaussianDent { depth_mm, sigma_mm, center_mm } => {
             depth(*depth_mm, scene)?;
             number("touch.shape.sigma_mm", *sigma_mm, POSITIVE, 3.0)?;
             center_in_footprint("touch.shape", *center_mm, stack)?;
@@ -53,75 +45,41 @@ fn depth(depth_mm: f64, scene: &Scene) -> Result<(), Invalid> {
     number("touch.shape.depth_mm", depth_mm, POSITIVE, 1.0)?;
     let (room, what) = match (scene.touch.inner, layers.as_slice()) {
         (_, [only]) => (only.thickness_mm, "the only layer's thickness"),
-        (Inner::Follow, [soft @ .., _]) => (
-            soft.iter().map(|layer| layer.thickness_mm).sum(),
-            "what lies above the rigid lowest layer",
-        ),
-        (Inner::Flat, [top, ..]) => (
-            top.thickness_mm,
-            "the top layer's thickness, as inner is flat",
-        ),
+        (Inner::Follow, [soft @ .., _]) => {
+            (soft.iter().map(|layer| layer.thickness_mm).sum(), "what lies above the rigid lowest layer")
+        }
+        (Inner::Flat, [top, ..]) => (top.thickness_mm, "the top layer's thickness, as inner is flat"),
         (_, []) => return Ok(()),
     };
     if depth_mm >= room {
-        let message = format!(
-            "must be below {room} ({what}), is {depth_mm}; for example {:?}",
-            room / 2.0
-        );
+        let message = format!("must be below {room} ({what}), is {depth_mm}; for example {:?}", room / 2.0);
         return Err(Invalid::new("touch.shape.depth_mm", message));
     }
     Ok(())
 }
 
 /// A disc wholly within the footprint; the key is the radius where no place would do, the centre otherwise.
-pub(super) fn disc_in_footprint(
-    key: &str,
-    radius_mm: f64,
-    center_mm: [f64; 2],
-    stack: &Stack,
-) -> Result<(), Invalid> {
+pub(super) fn disc_in_footprint(key: &str, radius_mm: f64, center_mm: [f64; 2], stack: &Stack) -> Result<(), Invalid> {
     for (axis, (center, extent)) in center_mm.into_iter().zip(stack.footprint_mm).enumerate() {
         let room = extent / 2.0 - radius_mm;
         if room < 0.0 {
-            let message = format!(
-                "must be at most {} to lie within the footprint, is {radius_mm}",
-                extent / 2.0
-            );
+            let message = format!("must be at most {} to lie within the footprint, is {radius_mm}", extent / 2.0);
             return Err(Invalid::new(format!("{key}.radius_mm"), message));
         }
-        number(
-            &format!("{key}.center_mm[{axis}]"),
-            center,
-            -room..=room,
-            0.0,
-        )?;
+        number(&format!("{key}.center_mm[{axis}]"), center, -room..=room, 0.0)?;
     }
     Ok(())
 }
 
 /// A centre within the footprint.
-pub(super) fn center_in_footprint(
-    key: &str,
-    center_mm: [f64; 2],
-    stack: &Stack,
-) -> Result<(), Invalid> {
+pub(super) fn center_in_footprint(key: &str, center_mm: [f64; 2], stack: &Stack) -> Result<(), Invalid> {
     for (axis, (center, extent)) in center_mm.into_iter().zip(stack.footprint_mm).enumerate() {
-        number(
-            &format!("{key}.center_mm[{axis}]"),
-            center,
-            -extent / 2.0..=extent / 2.0,
-            0.0,
-        )?;
+        number(&format!("{key}.center_mm[{axis}]"), center, -extent / 2.0..=extent / 2.0, 0.0)?;
     }
     Ok(())
 }
 
-fn gaussian_flat_at_walls(
-    depth_mm: f64,
-    sigma_mm: f64,
-    center_mm: [f64; 2],
-    stack: &Stack,
-) -> Result<(), Invalid> {
+fn gaussian_flat_at_walls(depth_mm: f64, sigma_mm: f64, center_mm: [f64; 2], stack: &Stack) -> Result<(), Invalid> {
     let to_wall = center_mm
         .into_iter()
         .zip(stack.footprint_mm)

@@ -15,12 +15,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
     let stack = &scene.stack;
     let wavelength_nm = scene.light.wavelength_nm;
     for (axis, extent) in stack.footprint_mm.into_iter().enumerate() {
-        number(
-            &format!("stack.footprint_mm[{axis}]"),
-            extent,
-            above(0.0, MAX_EXTENT_MM, true),
-            30.0,
-        )?;
+        number(&format!("stack.footprint_mm[{axis}]"), extent, above(0.0, MAX_EXTENT_MM, true), 30.0)?;
     }
     if let Walls::Mirror { reflectance } = stack.walls {
         number("stack.walls.reflectance", reflectance, 0.0..=1.0, 0.95)?;
@@ -37,17 +32,11 @@ pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
         layer(&format!("stack.layer[{index}]"), one, wavelength_nm)?;
     }
     if stack.height_mm() > MAX_EXTENT_MM {
-        let message = format!(
-            "the layers must be at most {MAX_EXTENT_MM} mm thick together, are {}",
-            stack.height_mm()
-        );
+        let message =
+            format!("the layers must be at most {MAX_EXTENT_MM} mm thick together, are {}", stack.height_mm());
         return Err(Invalid::new("stack.layer", message));
     }
-    roughness(
-        "stack.lower_roughness",
-        stack.lower_roughness,
-        wavelength_nm,
-    )
+    roughness("stack.lower_roughness", stack.lower_roughness, wavelength_nm)
 }
 
 fn layer(key: &str, layer: &Layer, wavelength_nm: f64) -> Result<(), Invalid> {
@@ -57,12 +46,7 @@ fn layer(key: &str, layer: &Layer, wavelength_nm: f64) -> Result<(), Invalid> {
     }
     let thickness_key = format!("{key}.thickness_mm");
     number(&thickness_key, layer.thickness_mm, POSITIVE, 2.0)?;
-    number(
-        &thickness_key,
-        layer.thickness_mm,
-        MIN_THICKNESS_MM..=MAX_EXTENT_MM,
-        2.0,
-    )?;
+    number(&thickness_key, layer.thickness_mm, MIN_THICKNESS_MM..=MAX_EXTENT_MM, 2.0)?;
     let index_key = format!("{key}.n");
     match (layer.n, layer.material) {
         (Some(n), None) => number(&index_key, n, 1.0..=4.0, 1.41)?,
@@ -77,29 +61,14 @@ fn layer(key: &str, layer: &Layer, wavelength_nm: f64) -> Result<(), Invalid> {
             }
         }
         (Some(_), Some(_)) => {
-            return Err(Invalid::new(
-                index_key,
-                "give n or material, not both; for example n = 1.41",
-            ));
+            return Err(Invalid::new(index_key, "give n or material, not both; for example n = 1.41"));
         }
         (None, None) => {
-            return Err(Invalid::new(
-                index_key,
-                "give n or material; for example n = 1.41",
-            ));
+            return Err(Invalid::new(index_key, "give n or material; for example n = 1.41"));
         }
     }
-    number(
-        &format!("{key}.absorption_per_mm"),
-        layer.absorption_per_mm,
-        NOT_NEGATIVE,
-        0.003,
-    )?;
-    roughness(
-        &format!("{key}.upper_roughness"),
-        layer.upper_roughness,
-        wavelength_nm,
-    )
+    number(&format!("{key}.absorption_per_mm"), layer.absorption_per_mm, NOT_NEGATIVE, 0.003)?;
+    roughness(&format!("{key}.upper_roughness"), layer.upper_roughness, wavelength_nm)
 }
 
 fn roughness(key: &str, roughness: Roughness, wavelength_nm: f64) -> Result<(), Invalid> {
@@ -115,12 +84,7 @@ fn roughness(key: &str, roughness: Roughness, wavelength_nm: f64) -> Result<(), 
                 );
                 return Err(Invalid::new(rms_key, message));
             }
-            number(
-                &format!("{key}.lobe_slope"),
-                lobe_slope,
-                above(0.0, 2.0, true),
-                0.1,
-            )
+            number(&format!("{key}.lobe_slope"), lobe_slope, above(0.0, 2.0, true), 0.1)
         }
         // Below 0.001 the facets' tilt is under the f32 resolution of a grazing half vector.
         Roughness::Microfacet { alpha } => number(&format!("{key}.alpha"), alpha, 0.001..=1.0, 0.2),

@@ -37,9 +37,8 @@ fn the_rules_of_name_light_and_stack_hold() {
 
 #[test]
 fn a_material_must_cover_the_wavelength() {
-    let text = text_of("tsis-paper")
-        .replace("= 532.0", "= 900.0")
-        .replace("n = 1.40", "material = \"pdms_sylgard184\"");
+    let text =
+        text_of("tsis-paper").replace("= 532.0", "= 900.0").replace("n = 1.40", "material = \"pdms_sylgard184\"");
     let error = parse(&text, Path::new("s.toml")).unwrap_err();
     assert_eq!(error.key.as_deref(), Some("stack.layer[1].material"));
     assert!(error.message.contains("from 350 to 700 nm"), "{error}");
@@ -48,24 +47,16 @@ fn a_material_must_cover_the_wavelength() {
 #[test]
 fn counts_of_layers_and_leds_are_limited() {
     let many = |name: &str, table: &str, body: &str, count: usize| {
-        let mut text = text_of(name).replace(
-            "[camera]",
-            &format!("{}[camera]", format!("[[{table}]]\n{body}\n").repeat(count)),
-        );
+        let mut text =
+            text_of(name).replace("[camera]", &format!("{}[camera]", format!("[[{table}]]\n{body}\n").repeat(count)));
         text.push('\n');
         parse(&text, Path::new("s.toml")).map_err(|error| error.key)
     };
     let layer = "name = \"x\"\nthickness_mm = 1.0\nn = 1.4";
     assert!(many("flat-bonded", "stack.layer", layer, 28).is_ok());
-    assert_eq!(
-        many("flat-bonded", "stack.layer", layer, 29),
-        Err(Some("stack.layer".to_owned()))
-    );
+    assert_eq!(many("flat-bonded", "stack.layer", layer, 29), Err(Some("stack.layer".to_owned())));
     let led = "wall = \"+x\"\nheight_mm = 1.0\ndiameter_mm = 0.1\nmount = { kind = \"bonded\" }\npower_mw = 1.0";
-    assert_eq!(
-        many("flat-bonded", "led", led, 61),
-        Err(Some("led".to_owned()))
-    );
+    assert_eq!(many("flat-bonded", "led", led, 61), Err(Some("led".to_owned())));
 }
 
 #[test]
@@ -164,19 +155,10 @@ fn the_rules_of_dents_hold() {
 #[test]
 fn dents_just_inside_their_limits_are_allowed() {
     for (from, to) in [
-        (
-            "depth_mm = 1.0, radius_mm = 4.0",
-            "depth_mm = 1.99, radius_mm = 15.0",
-        ),
-        (
-            "\"spherical_dent\", depth_mm = 1.0, radius_mm = 4.0",
-            "\"gaussian_dent\", depth_mm = 1.0, sigma_mm = 4.28",
-        ),
+        ("depth_mm = 1.0, radius_mm = 4.0", "depth_mm = 1.99, radius_mm = 15.0"),
+        ("\"spherical_dent\", depth_mm = 1.0, radius_mm = 4.0", "\"gaussian_dent\", depth_mm = 1.0, sigma_mm = 4.28"),
         // 3.2 sigma, but 0.6 um deep at the wall.
-        (
-            "\"spherical_dent\", depth_mm = 1.0, radius_mm = 4.0",
-            "\"gaussian_dent\", depth_mm = 0.1, sigma_mm = 4.7",
-        ),
+        ("\"spherical_dent\", depth_mm = 1.0, radius_mm = 4.0", "\"gaussian_dent\", depth_mm = 0.1, sigma_mm = 4.7"),
     ] {
         let text = text_of("dent-cap");
         assert!(text.contains(from));

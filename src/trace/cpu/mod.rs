@@ -93,10 +93,7 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self {
-            roulette_start: 256,
-            event_cap: 65_536,
-        }
+        Self { roulette_start: 256, event_cap: 65_536 }
     }
 }
 
@@ -167,10 +164,7 @@ impl<'m, T: Real> Path<'m, T> {
 
     pub(super) fn record(&mut self, code: u32, margin: T) {
         if let Some(events) = &mut self.events {
-            events.push(Event {
-                code,
-                margin: margin.wide(),
-            });
+            events.push(Event { code, margin: margin.wide() });
         }
     }
 

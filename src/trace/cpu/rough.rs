@@ -16,11 +16,7 @@ impl<T: Real> Path<'_, T> {
         let local = v3(w.dot(t1), w.dot(t2), w.dot(up).max(T::of(1e-6)));
         let v = v3(alpha * local.x, alpha * local.y, local.z).normalize();
         let flat_sq = v.x * v.x + v.y * v.y;
-        let e1 = if flat_sq > zero {
-            v3(-v.y, v.x, zero) * (one / flat_sq.sqrt())
-        } else {
-            v3(one, zero, zero)
-        };
+        let e1 = if flat_sq > zero { v3(-v.y, v.x, zero) * (one / flat_sq.sqrt()) } else { v3(one, zero, zero) };
         let e2 = v.cross(e1);
         let r = self.draw().sqrt();
         let phi = T::of(std::f64::consts::TAU) * self.draw();

@@ -113,11 +113,7 @@ impl<T: Real> Path<'_, T> {
             values[j] = dot(row, wx);
             along[j] = dot(row, dx);
         }
-        [
-            dot(&values, wy),
-            dot(&along, wy) * field.per_mm[0],
-            dot(&values, dy) * field.per_mm[1],
-        ]
+        [dot(&values, wy), dot(&along, wy) * field.per_mm[0], dot(&values, dy) * field.per_mm[1]]
     }
 
     fn field_cross(&mut self, field: &FieldShape<T>, i: usize, o: V3<T>, p: V3<T>, side: T, t_max: T) -> T {

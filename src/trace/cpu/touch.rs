@@ -47,11 +47,7 @@ impl<'m, T: Real> Path<'m, T> {
         let (cy, uy) = axis(y, self.model.half_size[1], rows);
         let at = cy * columns + cx;
         let mix = |a: T, b: T, u: T| a * (T::one() - u) + b * u;
-        mix(
-            mix(t.grid[at], t.grid[at + 1], ux),
-            mix(t.grid[at + columns], t.grid[at + columns + 1], ux),
-            uy,
-        )
+        mix(mix(t.grid[at], t.grid[at + 1], ux), mix(t.grid[at + columns], t.grid[at + columns + 1], ux), uy)
     }
 
     /// Reflectance at a point of the touched face, from the guide; a = n_top cos.
@@ -74,11 +70,7 @@ impl<'m, T: Real> Path<'m, T> {
             f1 + (one - f1) * (one - f1) * f2 / (one - f1 * f2)
         };
         let share = self.contact_share(x, y);
-        Boundary {
-            mixed: gap * (one - share) + contact * share,
-            contact,
-            gap,
-        }
+        Boundary { mixed: gap * (one - share) + contact * share, contact, gap }
     }
 
     /// Lateral step of the Christensen-Burley profile.

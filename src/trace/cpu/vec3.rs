@@ -42,11 +42,7 @@ impl<T: Real> V3<T> {
 
     /// Vector product.
     pub fn cross(self, b: Self) -> Self {
-        v3(
-            self.y * b.z - self.z * b.y,
-            self.z * b.x - self.x * b.z,
-            self.x * b.y - self.y * b.x,
-        )
+        v3(self.y * b.z - self.z * b.y, self.z * b.x - self.x * b.z, self.x * b.y - self.y * b.x)
     }
 
     /// The unit vector along this one.

@@ -16,11 +16,7 @@ impl<T: Real> Path<'_, T> {
         if face.share != T::zero() {
             return self.surface_cross(i, self.o, self.p, side, t_max);
         }
-        if self.p.z * side > T::zero() {
-            ((face.z - self.o.z) / self.p.z).max(T::zero())
-        } else {
-            far()
-        }
+        if self.p.z * side > T::zero() { ((face.z - self.o.z) / self.p.z).max(T::zero()) } else { far() }
     }
 
     /// Reflection or refraction at interface `i`; true when transmitted.

@@ -78,14 +78,12 @@ pub fn constants(kernel: &Kernel, entry: Entry) -> Vec<(&'static str, f64)> {
         constants.push(("SHARE_GRID", kernel.share_grid));
     }
     match entry {
-        Entry::Camera(mode) => constants.extend([
-            ("MAPPED", mode == CameraMode::Mapped),
-            ("COMPLEMENT", mode == CameraMode::Complement),
-        ]),
-        Entry::Photons(mode) => constants.extend([
-            ("MAPPED", mode == PhotonMode::Map),
-            ("SPLATTED", mode == PhotonMode::Splat),
-        ]),
+        Entry::Camera(mode) => {
+            constants.extend([("MAPPED", mode == CameraMode::Mapped), ("COMPLEMENT", mode == CameraMode::Complement)])
+        }
+        Entry::Photons(mode) => {
+            constants.extend([("MAPPED", mode == PhotonMode::Map), ("SPLATTED", mode == PhotonMode::Splat)])
+        }
     }
     constants.into_iter().map(|(name, on)| (name, f64::from(u8::from(on)))).collect()
 }

@@ -31,14 +31,13 @@ impl Gpu {
                 power_preference: wgpu::PowerPreference::HighPerformance,
                 ..Default::default()
             };
-            let adapter = instance
-                .request_adapter(&options)
-                .await
-                .map_err(|_| TraceError::NoAdapter)?;
+            let adapter = instance.request_adapter(&options).await.map_err(|_| TraceError::NoAdapter)?;
             let offered = adapter.limits();
             let limits = wgpu::Limits {
                 max_buffer_size: offered.max_buffer_size,
                 max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
+                // Eight are in use; event histories (tests) take one more where the adapter has it.
+                max_storage_buffers_per_shader_stage: offered.max_storage_buffers_per_shader_stage.clamp(8, 9),
                 ..wgpu::Limits::default()
             };
             let (device, queue) = adapter
@@ -58,12 +57,7 @@ impl Gpu {
             device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
                 note(&refused, Trouble::Refused(e.to_string()));
             }));
-            Ok(Self {
-                device,
-                queue,
-                info: adapter.get_info(),
-                trouble,
-            })
+            Ok(Self { device, queue, info: adapter.get_info(), trouble })
         })
     }
 
@@ -94,7 +88,12 @@ impl Gpu {
     }
 
     /// A buffer of at least 16 bytes; an error where the device does not allow its size.
-    pub fn buffer(&self, what: &'static str, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, TraceError> {
+    pub fn buffer(
+        &self,
+        what: &'static str,
+        bytes: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, TraceError> {
         let limits = self.device.limits();
         let mut allowed = limits.max_buffer_size;
         if usage.contains(wgpu::BufferUsages::STORAGE) {
@@ -118,7 +117,12 @@ impl Gpu {
     }
 
     /// A buffer with contents.
-    pub fn upload(&self, what: &'static str, bytes: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, TraceError> {
+    pub fn upload(
+        &self,
+        what: &'static str,
+        bytes: &[u8],
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, TraceError> {
         let buffer = self.buffer(what, bytes.len() as u64, usage)?;
         self.check()?;
         self.queue.write_buffer(&buffer, 0, bytes);
@@ -142,10 +146,8 @@ impl Gpu {
             Ok(Err(e)) => return Err(TraceError::DeviceLost(one_line(&e.to_string()))),
             Err(_) => return Err(TraceError::DeviceLost("no answer to a read".into())),
         }
-        let view = staging
-            .slice(..)
-            .get_mapped_range()
-            .map_err(|e| TraceError::DeviceLost(one_line(&e.to_string())))?;
+        let view =
+            staging.slice(..).get_mapped_range().map_err(|e| TraceError::DeviceLost(one_line(&e.to_string())))?;
         let words = view.chunks_exact(4).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]])).collect();
         Ok(words)
     }

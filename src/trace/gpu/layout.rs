@@ -4,11 +4,7 @@ use crate::trace::leds;
 use crate::trace::model::{self, Model, Shape};
 use bytemuck::{Pod, Zeroable};
 
-/// Most layers, surrounds included (`array<Layer, 34>`).
-pub const LAYERS: usize = 34;
-/// Most interfaces.
-pub const FACES: usize = 33;
-/// Most LEDs.
+/// Most LEDs (`array<Led, 64>`).
 pub const LEDS: usize = 64;
 
 macro_rules! uniform {
@@ -110,23 +106,20 @@ pub fn scene(m: &Model<f32>) -> Scene {
     out
 }
 
-/// The layers of a model, padded.
-pub fn layers(m: &Model<f32>) -> [Layer; LAYERS] {
-    padded(m.layers.iter().map(|l| Layer {
-        n: l.n,
-        n_sq: l.n_sq,
-        absorption: l.absorption,
-        side_dn_sq: l.side_dn_sq,
-    }))
+/// The layers of a model.
+pub fn layers(m: &Model<f32>) -> Vec<Layer> {
+    let layer =
+        |l: &model::Layer<f32>| Layer { n: l.n, n_sq: l.n_sq, absorption: l.absorption, side_dn_sq: l.side_dn_sq };
+    m.layers.iter().map(layer).collect()
 }
 
-/// The interfaces of a model, padded. `field` counts rows of four control points.
-pub fn faces(m: &Model<f32>) -> [Face; FACES] {
+/// The interfaces of a model. `field` counts rows of four control points.
+pub fn faces(m: &Model<f32>) -> Vec<Face> {
     let stride = match &m.shape {
         Shape::Field(f) => (f.size[0] - 1) * (f.size[1] + 2),
         _ => 0,
     };
-    padded(m.faces.iter().map(|f: &model::Face<f32>| Face {
+    let face = |f: &model::Face<f32>| Face {
         z: f.z,
         share: f.share,
         dn_sq: f.dn_sq,
@@ -138,7 +131,8 @@ pub fn faces(m: &Model<f32>) -> [Face; FACES] {
         alpha: f.alpha,
         kind: f.kind,
         ..Default::default()
-    }))
+    };
+    m.faces.iter().map(face).collect()
 }
 
 /// The LEDs of a model, padded.
@@ -176,10 +170,7 @@ pub fn shape(m: &Model<f32>) -> (Vec<f32>, Vec<f32>) {
             };
             let triangles = mesh.corners.iter().zip(&mesh.normals);
             let points = triangles.flat_map(|(c, n)| c.iter().chain(n));
-            (
-                mesh.nodes.iter().flat_map(node).collect(),
-                points.flat_map(|p| [p[0], p[1], p[2], 0.0]).collect(),
-            )
+            (mesh.nodes.iter().flat_map(node).collect(), points.flat_map(|p| [p[0], p[1], p[2], 0.0]).collect())
         }
     }
 }

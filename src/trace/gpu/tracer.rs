@@ -48,14 +48,15 @@ impl GpuTracer {
         let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
         let (surface_a, surface_b) = layout::shape(&model);
         let uniform = |what, bytes: &[u8]| gpu.upload(what, bytes, Usage::UNIFORM);
+        let structs = |what, bytes: &[u8]| gpu.upload(what, bytes, Usage::STORAGE);
         let storage = |what, words: &[f32]| gpu.upload(what, bytemuck::cast_slice(words), Usage::STORAGE);
         let tables: Vec<f32> = model.led_tables.iter().flatten().copied().collect();
         let grid = model.tissue.as_ref().map_or(&[][..], |t| &t.grid);
         Ok(Self {
             run: gpu.buffer("run", size_of::<layout::Run>() as u64, Usage::UNIFORM)?,
             scene: uniform("scene", bytemuck::bytes_of(&layout::scene(&model)))?,
-            layers: uniform("layers", bytemuck::cast_slice(&layout::layers(&model)))?,
-            faces: uniform("interfaces", bytemuck::cast_slice(&layout::faces(&model)))?,
+            layers: structs("layers", bytemuck::cast_slice(&layout::layers(&model)))?,
+            faces: structs("interfaces", bytemuck::cast_slice(&layout::faces(&model)))?,
             leds: uniform("LEDs", bytemuck::cast_slice(&layout::leds(&model)))?,
             led_tables: storage("LED tables", &tables)?,
             surface: [storage("surface", &surface_a)?, storage("triangles", &surface_b)?],
@@ -110,10 +111,8 @@ impl GpuTracer {
             source: wgpu::ShaderSource::Wgsl(text.into()),
         });
         let entries: Vec<_> = self.bindings(entry).into_iter().map(|(k, _, kind)| layout_entry(k, kind)).collect();
-        let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("kernel"),
-            entries: &entries,
-        });
+        let group = device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("kernel"), entries: &entries });
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("kernel"),
             bind_group_layouts: &[Some(&group)],
@@ -149,8 +148,8 @@ impl GpuTracer {
         let mut out = vec![
             (0, &self.scene, uniform),
             (1, &self.run, uniform),
-            (2, &self.layers, uniform),
-            (3, &self.faces, uniform),
+            (2, &self.layers, read),
+            (3, &self.faces, read),
             (4, &self.leds, uniform),
             (5, &self.led_tables, read),
         ];
@@ -192,10 +191,7 @@ impl GpuTracer {
         let bindings = self.bindings(entry);
         let entries: Vec<_> = bindings
             .iter()
-            .map(|(k, buffer, _)| wgpu::BindGroupEntry {
-                binding: *k,
-                resource: buffer.as_entire_binding(),
-            })
+            .map(|(k, buffer, _)| wgpu::BindGroupEntry { binding: *k, resource: buffer.as_entire_binding() })
             .collect();
         let group = self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("kernel"),
@@ -219,17 +215,16 @@ impl GpuTracer {
     }
 
     /// Traces a chunk of camera paths.
-    pub fn camera(&mut self, mode: CameraMode, seed: u32, [first, count]: [u32; 2], [first_sample, samples]: [u32; 2]) -> Result<(), TraceError> {
+    pub fn camera(
+        &mut self,
+        mode: CameraMode,
+        seed: u32,
+        [first, count]: [u32; 2],
+        [first_sample, samples]: [u32; 2],
+    ) -> Result<(), TraceError> {
         let entry = Entry::Camera(mode);
         self.prepare(entry)?;
-        let run = layout::Run {
-            seed,
-            first,
-            count,
-            samples,
-            first_sample,
-            ..Default::default()
-        };
+        let run = layout::Run { seed, first, count, samples, first_sample, ..Default::default() };
         self.dispatch(entry, run, count)
     }
 
@@ -258,20 +253,23 @@ impl GpuTracer {
     }
 
     /// Sends a chunk of photons.
-    pub fn photons(&mut self, mode: PhotonMode, seed: u32, threads: u32, [first_sample, samples]: [u32; 2]) -> Result<(), TraceError> {
+    pub fn photons(
+        &mut self,
+        mode: PhotonMode,
+        seed: u32,
+        threads: u32,
+        [first_sample, samples]: [u32; 2],
+    ) -> Result<(), TraceError> {
         let entry = Entry::Photons(mode);
         self.prepare(entry)?;
-        let run = layout::Run {
-            seed,
-            count: threads,
-            samples,
-            first_sample,
-            ..Default::default()
-        };
+        let run = layout::Run { seed, count: threads, samples, first_sample, ..Default::default() };
         self.dispatch(entry, run, threads)
     }
 
-    pub(in crate::trace) fn read_photons(&mut self, mode: PhotonMode) -> Result<([i64; book::SLOTS], Vec<u64>), TraceError> {
+    pub(in crate::trace) fn read_photons(
+        &mut self,
+        mode: PhotonMode,
+    ) -> Result<([i64; book::SLOTS], Vec<u64>), TraceError> {
         let ledger = self.gpu.read(&self.ledger)?;
         let mut tally = [0i64; book::SLOTS];
         for (slot, words) in tally.iter_mut().zip(ledger.chunks_exact(2)) {
@@ -292,11 +290,7 @@ fn layout_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLay
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
         count: None,
     }
 }
