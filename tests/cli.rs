@@ -1,6 +1,10 @@
 //! The command as a user meets it: exit codes, one line of error, JSON.
 #![allow(clippy::unwrap_used)]
 
+use exr::prelude::{
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer,
+    LayerAttributes, LineOrder, WritableImage,
+};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -119,6 +123,41 @@ fn compare_fails_with_exit_code_1_on_light_of_another_brightness() {
     assert!(found["ratio"]["low"].as_f64().unwrap() > 1.0, "{found}");
     assert!(found["ratio"]["high"].as_f64().unwrap() > 1.02, "{found}");
     assert!(found["mean_a"].is_number() && found["mean_b"].is_number());
+}
+
+#[test]
+fn an_image_that_does_not_say_its_replicates_is_taken_to_have_few() {
+    let place = Place::new();
+    let folder = |seed: u64| {
+        let film = film(seed, 1.0);
+        let folder = place.path().join(seed.to_string());
+        std::fs::create_dir(&folder).unwrap();
+        for (name, values) in [("mean.exr", &film.mean), ("variance.exr", &film.variance)] {
+            let channel = AnyChannel::new("Y", FlatSamples::F32(values.clone()));
+            let encoding = Encoding {
+                compression: Compression::PIZ,
+                blocks: Blocks::ScanLines,
+                line_order: LineOrder::Increasing,
+            };
+            let channels = AnyChannels::sort(std::iter::once(channel).collect());
+            let layer = Layer::new((32, 32), LayerAttributes::default(), encoding, channels);
+            Image::from_layer(layer)
+                .write()
+                .to_file(folder.join(name))
+                .unwrap();
+        }
+        shown(folder)
+    };
+    let (a, b) = (folder(1), folder(2));
+    let largest = |replicates: &str| {
+        let output = tirtouch(&["compare", &a, &b, "--json", "--replicates", replicates]);
+        assert_eq!(code(&output), 0, "{output:?}");
+        json(&output)["tests"][0]["max_z"].as_f64().unwrap()
+    };
+    // The fewer runs, the less a large quotient means.
+    assert!(largest("4") < largest("16") && largest("16") < largest("1000"));
+    let refused = tirtouch(&["compare", &a, &b, "--replicates", "1"]);
+    assert_eq!(code(&refused), 2, "{refused:?}");
 }
 
 #[test]

@@ -22,14 +22,17 @@ pub(super) struct Compare {
     /// Chance of calling equal images different, all tests together.
     #[arg(long, value_name = "P", default_value = "0.001", value_parser = probability, allow_negative_numbers = true)]
     level: f64,
+    /// Independent replicates behind the variances of an image that does not say.
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..), allow_negative_numbers = true)]
+    replicates: u32,
     #[command(flatten)]
     talk: Talk,
 }
 
 impl Compare {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (a, provenance_a) = read_radiance(&self.a)?;
-        let (b, provenance_b) = read_radiance(&self.b)?;
+        let (a, provenance_a) = self.read(&self.a)?;
+        let (b, provenance_b) = self.read(&self.b)?;
         if let (Some(first), Some(second)) = (&provenance_a, &provenance_b) {
             check_units(&self.b, first, second)?;
             if !self.talk.quiet && shares_random_numbers(first, second) {
@@ -48,6 +51,14 @@ impl Compare {
         } else {
             Outcome::CheckFailed
         })
+    }
+
+    fn read(&self, path: &Path) -> Result<(Film, Option<Provenance>), Failure> {
+        let (mut film, provenance) = read_radiance(path)?;
+        if film.replicates == 0 {
+            film.replicates = self.replicates;
+        }
+        Ok((film, provenance))
     }
 
     fn compare(&self, a: &Film, b: &Film) -> Result<Comparison, Failure> {
