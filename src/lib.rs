@@ -8,6 +8,7 @@
 //! One folder a stage, in the order of the data; a stage imports only earlier ones.
 
 pub mod camera;
+pub mod cli;
 pub mod estimate;
 pub mod film;
 pub mod image_io;

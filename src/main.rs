@@ -1,1 +1,5 @@
-fn main() {}
+//! The command `tirtouch`.
+
+fn main() -> std::process::ExitCode {
+    tirtouch::cli::main()
+}

@@ -16,8 +16,11 @@
 //! - Neighbours may be correlated: the largest deviate stays conservative then, and the sum of squares is scaled to a
 //!   chi-square of the effective number of cells (Satterthwaite 1946), from the inflation of larger blocks.
 
+mod cells;
+
 use super::blocks::{BlockLevel, EDGES};
 use super::{Film, tails};
+use cells::{Cells, ratio, test_cell};
 use serde::Serialize;
 use std::borrow::Cow;
 use thiserror::Error;
@@ -28,9 +31,6 @@ pub const MIN_CONTRIBUTIONS: f64 = 100.0;
 /// Relative rounding of a radiance computed in f32: a path multiplies some tens of factors, each off by up to an ulp
 /// of 2^-23.
 pub const ROUNDING: f64 = 1.0 / 262_144.0;
-
-/// Cells along a neighbourhood: 256 of them estimate a variance, so one's own share in it is lost.
-const TILE: usize = 16;
 
 /// How far the mean square of the deviates may exceed 1 before it counts. Welch's approximation, skewed light and the
 /// choice of cells shift it by up to 0.01 (115,200 pixels of 16 replicates, normal and Poisson of 100 to 320
@@ -230,6 +230,7 @@ fn check(means: &[f32], variances: &[f32], film: &'static str) -> Result<(), Com
     fault("variance", "finite and not negative", variances.iter().enumerate().find(|(_, v)| wrong(v)))
 }
 
+<<<<<<< HEAD
 /// The cells of one film at one level.
 #[derive(Clone, Copy)]
 struct Cells<'a> {
@@ -299,6 +300,8 @@ impl Tiles {
     }
 }
 
+=======
+>>>>>>> io
 /// How many cells of this level vary together, the larger of both films.
 fn correlation(a: &Side, b: &Side, edge: u32) -> f64 {
     let larger = EDGES.iter().filter(|&&other| edge != 0 && (other == 0 || other > edge));
@@ -331,6 +334,7 @@ fn test_level(a: Cells, b: Cells, edge: u32, correlation: f64) -> LevelTest {
     LevelTest { edge, cells, max_z, chi2, dof, p_value, passed: true }
 }
 
+<<<<<<< HEAD
 /// The two-sided probability of a cell's difference; none where it is dark in both films or has too little light.
 fn test_cell(mut a: Cell, mut b: Cell, weights: [f64; 2], always: bool) -> Option<f64> {
     let dark = |cell: Cell| cell.mean == 0.0 && cell.variance == 0.0;
@@ -378,5 +382,7 @@ fn ratio(a: Cell, b: Cell) -> Option<Ratio> {
     Some(Ratio { value, low: value - half, high: value + half })
 }
 
+=======
+>>>>>>> io
 #[cfg(test)]
 mod tests;

@@ -111,3 +111,52 @@ fn levels<T: Copy + Into<f64>>(samples: &[T], channels: usize) -> Vec<f64> {
     };
     samples.chunks_exact(channels).map(level).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::{write_png_grey, write_png_rgb};
+    use super::*;
+
+    #[test]
+    fn grey_levels_come_back_in_both_depths() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("grey.png");
+        for (depth, levels, full) in [
+            (8, [0, 1, 2, 128, 254, 255], 255.0),
+            (16, [0, 1, 255, 256, 65534, 65535], 65535.0),
+        ] {
+            write_png_grey(&path, 3, 2, &levels, depth).unwrap();
+            let grey = read_grey(&path).unwrap();
+            assert_eq!(
+                (grey.width, grey.height, grey.full_scale, grey.linear),
+                (3, 2, Some(full), false)
+            );
+            assert_eq!(grey.values, levels.map(f64::from));
+        }
+    }
+
+    #[test]
+    fn colour_becomes_luma_and_grey_in_colour_stays() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("colour.png");
+        write_png_rgb(&path, 2, 1, &[100, 200, 50, 77, 77, 77]).unwrap();
+        let values = read_grey(&path).unwrap().values;
+        // 0.2126 * 100 + 0.7152 * 200 + 0.0722 * 50, to the rounding of three products.
+        assert!((values[0] - 167.91).abs() < 1e-12, "{values:?}");
+        assert_eq!(values[1], 77.0);
+    }
+
+    #[test]
+    fn pictures_that_do_not_fit_are_refused_on_writing() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("grey.png");
+        let unsupported =
+            |result: Result<(), ImageError>| matches!(result, Err(ImageError::Unsupported { .. }));
+        assert!(unsupported(write_png_grey(&path, 2, 1, &[0, 256], 8)));
+        assert!(unsupported(write_png_grey(&path, 2, 1, &[0, 1], 12)));
+        assert!(unsupported(write_png_grey(&path, 2, 2, &[0, 1], 8)));
+        assert!(unsupported(write_png_rgb(&path, 2, 2, &[0; 11])));
+        assert!(!path.exists());
+    }
+}

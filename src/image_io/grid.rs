@@ -72,3 +72,60 @@ fn number(path: &Path, row: usize, column: usize, field: &str) -> Result<f64, Im
         right: "a finite number",
     })
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::write_png_grey;
+    use super::*;
+
+    fn csv(text: &str) -> Result<Grid, ImageError> {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("grid.CSV");
+        std::fs::write(&path, text).unwrap();
+        read_grid(&path)
+    }
+
+    #[test]
+    fn a_csv_is_read_row_by_row() {
+        let grid = csv("1, 2,3\n-4e2,5,.5\n").unwrap();
+        assert_eq!((grid.columns, grid.rows), (3, 2));
+        assert_eq!(grid.values, [1.0, 2.0, 3.0, -400.0, 5.0, 0.5]);
+    }
+
+    #[test]
+    fn what_is_no_finite_number_is_named_by_row_and_column() {
+        for bad in ["nan", "inf", "-inf", "1e999", "x", ""] {
+            let error = csv(&format!("1,2\n3,{bad}\n")).unwrap_err();
+            assert!(
+                matches!(
+                    error,
+                    ImageError::Value {
+                        row: 2,
+                        column: 2,
+                        ..
+                    }
+                ),
+                "{bad}: {error}"
+            );
+        }
+    }
+
+    #[test]
+    fn unequal_rows_and_empty_files_are_refused() {
+        let error = csv("1,2\n3\n").unwrap_err().to_string();
+        assert!(
+            error.contains("row 2 has 1 numbers, the first row 2"),
+            "{error}"
+        );
+        assert!(csv("").is_err());
+    }
+
+    #[test]
+    fn a_picture_is_read_with_full_scale_as_one() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("grid.png");
+        write_png_grey(&path, 2, 1, &[65535, 13107], 16).unwrap();
+        assert_eq!(read_grid(&path).unwrap().values, [1.0, 0.2]);
+    }
+}

@@ -1,0 +1,156 @@
+//! How a command ends.
+
+use crate::film::compare::CompareError;
+use crate::image_io::ImageError;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// How a command ended that did not fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Done (exit code 0).
+    Done,
+    /// It ran, and the check it makes did not hold (exit code 1).
+    CheckFailed,
+}
+
+/// Who is to blame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Usage,
+    Input,
+    Failed,
+    Cancelled,
+}
+
+/// Why a command failed: one line that says what, where, and what would be right.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure {
+    kind: Kind,
+    message: String,
+    file: Option<PathBuf>,
+    line: Option<usize>,
+    key: Option<String>,
+}
+
+impl Failure {
+    fn new(kind: Kind, message: impl Into<String>) -> Self {
+        // One line, whatever was quoted in it.
+        let message = message
+            .into()
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
+        Self {
+            kind,
+            message,
+            file: None,
+            line: None,
+            key: None,
+        }
+    }
+
+    /// Wrong use of the command line (exit code 2).
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self::new(Kind::Usage, message)
+    }
+
+    /// Bad input (exit code 2). The message names its file itself.
+    pub fn input(message: impl Into<String>) -> Self {
+        Self::new(Kind::Input, message)
+    }
+
+    /// It failed for no fault of the user's (exit code 3).
+    pub fn failed(message: impl Into<String>) -> Self {
+        Self::new(Kind::Failed, message)
+    }
+
+    /// Stopped on request (exit code 3).
+    #[must_use]
+    pub fn cancelled() -> Self {
+        Self::new(Kind::Cancelled, "stopped on request; nothing was written")
+    }
+
+    /// The file it is about.
+    #[must_use]
+    pub fn in_file(self, file: &Path) -> Self {
+        Self {
+            file: Some(file.into()),
+            ..self
+        }
+    }
+
+    /// The line of that file, counted from 1.
+    #[must_use]
+    pub fn at_line(self, line: usize) -> Self {
+        Self {
+            line: Some(line),
+            ..self
+        }
+    }
+
+    /// The key in that file.
+    #[must_use]
+    pub fn at_key(self, key: impl Into<String>) -> Self {
+        Self {
+            key: Some(key.into()),
+            ..self
+        }
+    }
+
+    /// The line without the program's name.
+    #[must_use]
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// 2 or 3.
+    #[must_use]
+    pub fn code(&self) -> u8 {
+        match self.kind {
+            Kind::Usage | Kind::Input => 2,
+            Kind::Failed | Kind::Cancelled => 3,
+        }
+    }
+
+    /// The object that `--json` prints.
+    #[must_use]
+    pub fn json(&self) -> serde_json::Value {
+        let kind = match self.kind {
+            Kind::Usage => "usage",
+            Kind::Input => "input",
+            Kind::Failed => "failed",
+            Kind::Cancelled => "cancelled",
+        };
+        let file = self.file.as_ref().map(|file| file.display().to_string());
+        json!({"error": {"kind": kind, "message": self.message, "file": file, "line": self.line, "key": self.key}})
+    }
+
+    /// Says it, on standard error and for `--json` as an object on standard output, and gives the exit code.
+    pub(super) fn report(&self, json: bool) -> ExitCode {
+        super::note(&self.message);
+        if json {
+            // Standard error has said it already, so a closed standard output hides nothing.
+            let _ = super::print(&self.json().to_string());
+        }
+        ExitCode::from(self.code())
+    }
+}
+
+impl From<ImageError> for Failure {
+    fn from(error: ImageError) -> Self {
+        let failure = match &error {
+            ImageError::Write { .. } => Self::failed(error.to_string()),
+            ImageError::Value { row, .. } => Self::input(error.to_string()).at_line(*row),
+            _ => Self::input(error.to_string()),
+        };
+        failure.in_file(error.path())
+    }
+}
+
+impl From<CompareError> for Failure {
+    fn from(error: CompareError) -> Self {
+        Self::input(error.to_string())
+    }
+}

@@ -1,0 +1,213 @@
+//! Flags that commands share.
+
+use super::Failure;
+use crate::scene::Integrator;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// What a command says while it runs and when it is done.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Talk {
+    /// Say nothing but results and errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// One JSON object on standard output, nothing else there.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Flags of the commands that compute and write a folder.
+#[derive(Debug, Clone, Args)]
+pub struct Common {
+    /// Folder to write, in whole or not at all [default: out/NAME].
+    #[arg(short, long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace the folder if it exists.
+    #[arg(long)]
+    pub force: bool,
+    /// Seed of all random numbers [default: the scene's].
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub seed: Option<u32>,
+    /// Where to compute.
+    #[arg(long, value_enum, default_value_t)]
+    pub backend: Backend,
+    /// Arithmetic; f64 on the cpu only.
+    #[arg(long, value_enum, default_value_t)]
+    pub precision: Precision,
+    /// Light-transport method [default: the scene's].
+    #[arg(long, value_parser = integrator, value_name = "auto|path|splat|map")]
+    pub integrator: Option<Integrator>,
+    /// Camera paths per pixel [default: the scene's].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    pub spp: Option<u32>,
+    /// Photons sent from the LEDs [default: the scene's].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_negative_numbers = true)]
+    pub photons: Option<u64>,
+    /// Compute for so many seconds, counted from after compilation.
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
+    pub seconds: Option<f64>,
+    /// Compute until the relative error is at most this.
+    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    pub target_error: Option<f64>,
+    #[command(flatten)]
+    #[allow(missing_docs)] // a doc comment here would replace the command's help
+    pub talk: Talk,
+}
+
+/// Where to compute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Backend {
+    /// The GPU where there is one, else the CPU.
+    #[default]
+    Auto,
+    /// The GPU, or fail.
+    Gpu,
+    /// The CPU twin.
+    Cpu,
+}
+
+/// Floating-point arithmetic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Precision {
+    /// 32 bits.
+    #[default]
+    F32,
+    /// 64 bits, on the CPU.
+    F64,
+}
+
+impl Common {
+    /// The backend that these flags ask for together.
+    ///
+    /// # Errors
+    /// When they ask for f64 on the GPU.
+    pub fn backend(&self) -> Result<Backend, Failure> {
+        match (self.backend, self.precision) {
+            (Backend::Gpu, Precision::F64) => Err(Failure::usage(
+                "the gpu computes in f32 only; f64 needs `--backend cpu`",
+            )),
+            (Backend::Auto, Precision::F64) => Ok(Backend::Cpu),
+            (backend, _) => Ok(backend),
+        }
+    }
+
+    /// The folder to write, `out/NAME` unless one is given.
+    #[must_use]
+    pub fn destination(&self, name: &str) -> PathBuf {
+        self.out
+            .clone()
+            .unwrap_or_else(|| PathBuf::from("out").join(name))
+    }
+}
+
+fn integrator(text: &str) -> Result<Integrator, String> {
+    match text {
+        "auto" => Ok(Integrator::Auto),
+        "path" => Ok(Integrator::Path),
+        "splat" => Ok(Integrator::Splat),
+        "map" => Ok(Integrator::Map),
+        _ => Err("it must be auto, path, splat or map".into()),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "it must be a finite number above 0".into())
+}
+
+/// A probability strictly between 0 and 1.
+pub(super) fn probability(text: &str) -> Result<f64, String> {
+    positive(text)
+        .ok()
+        .filter(|number| *number < 1.0)
+        .ok_or_else(|| "it must be a number between 0 and 1".into())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Debug, Parser)]
+    struct Line {
+        #[command(flatten)]
+        common: Common,
+    }
+
+    fn parse(flags: &[&str]) -> Result<Common, String> {
+        let line = std::iter::once(&"tirtouch").chain(flags);
+        Line::try_parse_from(line)
+            .map(|line| line.common)
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn flags_arrive() {
+        let common = parse(&[
+            "-o",
+            "x",
+            "--force",
+            "--seed",
+            "7",
+            "--integrator",
+            "map",
+            "--seconds",
+            "1e2",
+        ])
+        .unwrap();
+        assert_eq!(common.destination("scene"), PathBuf::from("x"));
+        assert_eq!(common.seed, Some(7));
+        assert_eq!(common.integrator, Some(Integrator::Map));
+        assert_eq!(common.seconds, Some(100.0));
+        assert!(common.force && !common.talk.json);
+        assert_eq!(
+            parse(&[]).unwrap().destination("scene"),
+            PathBuf::from("out/scene")
+        );
+    }
+
+    #[test]
+    fn numbers_that_make_no_sense_are_refused() {
+        for flags in [
+            ["--seconds", "0"],
+            ["--seconds", "-1"],
+            ["--seconds", "inf"],
+            ["--target-error", "nan"],
+            ["--target-error", "-0.1"],
+            ["--spp", "0"],
+            ["--spp", "-4"],
+            ["--photons", "0"],
+            ["--seed", "-1"],
+            ["--seed", "4294967296"],
+            ["--integrator", "bdpt"],
+            ["--backend", "tpu"],
+        ] {
+            let refusal = parse(&flags).unwrap_err();
+            assert!(refusal.contains(flags[0]), "{flags:?}: {refusal}");
+        }
+        assert!(
+            probability("1").is_err() && probability("0").is_err() && probability("1e-9").is_ok()
+        );
+    }
+
+    #[test]
+    fn f64_goes_to_the_cpu_and_never_to_the_gpu() {
+        assert_eq!(
+            parse(&["--precision", "f64"]).unwrap().backend(),
+            Ok(Backend::Cpu)
+        );
+        let refused = parse(&["--precision", "f64", "--backend", "gpu"])
+            .unwrap()
+            .backend()
+            .unwrap_err();
+        assert_eq!(refused.code(), 2);
+        assert_eq!(
+            parse(&["--backend", "gpu"]).unwrap().backend(),
+            Ok(Backend::Gpu)
+        );
+    }
+}

@@ -1,0 +1,83 @@
+//! The command line: one file per command.
+//!
+//! To add a command: a file with a struct of its arguments (`clap::Args`, with [`Common`] or [`Talk`] flattened in) and a
+//! `run` that returns an [`Outcome`] or a [`Failure`]; a variant of `Command`; its arm in `Command::run`. `compare` is the
+//! shortest example. Long work polls [`cancel::check`], reports to a [`Progress`] and writes into an [`OutputFolder`].
+
+pub mod cancel;
+mod compare;
+mod error;
+mod flags;
+mod output;
+mod progress;
+mod usage;
+
+pub use error::{Failure, Outcome};
+pub use flags::{Backend, Common, Precision, Talk};
+pub use output::OutputFolder;
+pub use progress::Progress;
+
+use clap::{Parser, Subcommand};
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Simulator of the multilayer total-internal-reflection tactile sensor.
+#[derive(Debug, Parser)]
+#[command(
+    name = "tirtouch",
+    version,
+    after_help = "Exit codes: 0 done, 1 a check did not hold, 2 wrong use or bad input, 3 it failed."
+)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Compare(compare::Compare),
+}
+
+impl Command {
+    fn run(&self) -> Result<Outcome, Failure> {
+        match self {
+            Self::Compare(compare) => compare.run(),
+        }
+    }
+}
+
+/// Runs the command line of this process.
+pub fn main() -> ExitCode {
+    let json = usage::asks_for_json(std::env::args_os());
+    let outcome = usage::parse(std::env::args_os()).and_then(|parsed| match parsed {
+        usage::Parsed::Text(text) => print(&text).map(|()| Outcome::Done),
+        usage::Parsed::CommandLine(line) => {
+            cancel::install()?;
+            line.command.run()
+        }
+    });
+    match outcome {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::CheckFailed) => ExitCode::from(1),
+        Err(failure) => failure.report(json),
+    }
+}
+
+/// Writes `text` and a line's end to standard output. A reader that has gone away is no failure.
+///
+/// # Errors
+/// When standard output cannot be written.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::failed(
+            format!("standard output cannot be written: {error}"),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Writes one line to standard error; where that is closed, nobody is told.
+fn note(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "tirtouch: {line}");
+}

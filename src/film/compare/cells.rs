@@ -1,0 +1,152 @@
+//! One cell against the other, and the light around it.
+
+use super::super::tails;
+use super::{MIN_CONTRIBUTIONS, ROUNDING, Ratio};
+
+/// Cells along a neighbourhood: 256 of them estimate a variance, so one's own share in it is lost.
+const TILE: usize = 16;
+
+/// The cells of one film at one level.
+#[derive(Clone, Copy)]
+pub(super) struct Cells<'a> {
+    pub columns: u32,
+    pub mean: &'a [f32],
+    pub variance: &'a [f32],
+    /// Degrees of freedom of every variance.
+    pub freedom: f64,
+}
+
+/// One cell of one film.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Cell {
+    pub mean: f64,
+    variance: f64,
+    freedom: f64,
+}
+
+impl Cells<'_> {
+    pub fn iter(&self) -> impl Iterator<Item = Cell> {
+        let pairs = self.mean.iter().zip(self.variance);
+        let freedom = self.freedom;
+        pairs.map(move |(&mean, &variance)| Cell {
+            mean: mean.into(),
+            variance: variance.into(),
+            freedom,
+        })
+    }
+
+    pub fn first(&self) -> Cell {
+        self.iter().next().unwrap_or_default()
+    }
+
+    /// Variance per radiance, the weight of one contribution, around each cell; none where its neighbourhood is dark.
+    pub fn weights(&self) -> Vec<Option<f64>> {
+        let tiles = Tiles::new(self.columns, self.mean.len());
+        let mut sums = vec![(0.0, 0.0); tiles.count()];
+        for (index, cell) in self.iter().enumerate() {
+            if let Some((mean, variance)) = sums.get_mut(tiles.of(index)) {
+                *mean += cell.mean;
+                *variance += cell.variance;
+            }
+        }
+        let weight = |index| {
+            let (mean, variance) = sums.get(tiles.of(index)).copied()?;
+            (mean > 0.0).then_some(variance / mean)
+        };
+        (0..self.mean.len()).map(weight).collect()
+    }
+}
+
+/// Neighbourhoods of at least [`TILE`] by [`TILE`] cells, or all there are.
+struct Tiles {
+    cells: [usize; 2],
+    tiles: [usize; 2],
+}
+
+impl Tiles {
+    fn new(columns: u32, cells: usize) -> Self {
+        let columns = columns.max(1) as usize;
+        let cells = [columns, cells.div_ceil(columns).max(1)];
+        Self {
+            cells,
+            tiles: cells.map(|cells| (cells / TILE).max(1)),
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.tiles.iter().product()
+    }
+
+    fn of(&self, index: usize) -> usize {
+        let ([columns, rows], [across, down]) = (self.cells, self.tiles);
+        (index / columns * down / rows) * across + index % columns * across / columns
+    }
+}
+
+/// The two-sided probability of a cell's difference; none where it is dark in both films or has too little light.
+pub(super) fn test_cell(mut a: Cell, mut b: Cell, weights: [f64; 2], always: bool) -> Option<f64> {
+    let dark = |cell: Cell| cell.mean == 0.0 && cell.variance == 0.0;
+    if dark(a) && dark(b) {
+        return None;
+    }
+    let light = (a.mean + b.mean) / 2.0;
+    if !always
+        && weights
+            .iter()
+            .any(|weight| light < MIN_CONTRIBUTIONS * weight)
+    {
+        return None;
+    }
+    for (cell, weight) in [&mut a, &mut b].into_iter().zip(weights) {
+        if dark(*cell) {
+            cell.variance = weight * light.max(0.0);
+        }
+    }
+    let floor = (ROUNDING * a.mean.abs().max(b.mean.abs())).powi(2);
+    let variance = a.variance + b.variance + floor;
+    let difference = a.mean - b.mean;
+    if difference == 0.0 {
+        return Some(1.0);
+    }
+    Some(tails::two_sided(
+        difference / variance.sqrt(),
+        welch(variance, a, b),
+    ))
+}
+
+/// Degrees of freedom of a difference of two cells (Welch 1947).
+fn welch(variance: f64, a: Cell, b: Cell) -> f64 {
+    let part = |cell: Cell| cell.variance * cell.variance / cell.freedom;
+    variance * variance / (part(a) + part(b))
+}
+
+/// Second mean over first, with its interval from the relative variances.
+pub(super) fn ratio(a: Cell, b: Cell) -> Option<Ratio> {
+    if a.mean == 0.0 {
+        return None;
+    }
+    let value = b.mean / a.mean;
+    // The derivatives of b/a turn both into variances of the ratio.
+    let of_a = Cell {
+        variance: a.variance * (value / a.mean).powi(2),
+        ..a
+    };
+    let of_b = Cell {
+        variance: b.variance / (a.mean * a.mean),
+        ..b
+    };
+    let variance = of_a.variance + of_b.variance;
+    if variance == 0.0 {
+        return Some(Ratio {
+            value,
+            low: value,
+            high: value,
+        });
+    }
+    let half = tails::quantile_95(welch(variance, of_a, of_b)) * variance.sqrt();
+    Some(Ratio {
+        value,
+        low: value - half,
+        high: value + half,
+    })
+}

@@ -1,0 +1,241 @@
+//! The command as a user meets it: exit codes, one line of error, JSON.
+#![allow(clippy::unwrap_used)]
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
+    WritableImage,
+};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tirtouch::film::{BlockAccumulator, Film};
+use tirtouch::image_io::{Provenance, write_radiance};
+
+fn tirtouch(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_tirtouch")).args(arguments).output().unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("no JSON: {output:?}"))
+}
+
+/// Standard error is one line that begins with the program's name; gives the rest of it.
+fn one_line(output: &Output) -> &str {
+    let said = text(&output.stderr);
+    assert_eq!(said.lines().count(), 1, "{said}");
+    said.trim_end().strip_prefix("tirtouch: ").unwrap()
+}
+
+/// A film of 32x32 pixels around `mean`, noise of about 5 % that depends on `seed`.
+fn film(seed: u64, mean: f64) -> Film {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    let mut uniform = move || {
+        // Marsaglia's xorshift.
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let mut sums = BlockAccumulator::new(32, 32);
+    for _ in 0..16 {
+        let image: Vec<f64> = (0..1024).map(|_| mean * (1.0 + 0.7 * (uniform() - 0.5))).collect();
+        sums.add(&image).unwrap();
+    }
+    sums.finish()
+}
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    fn radiance(&self, name: &str, film: &Film, unit: &str) -> String {
+        let path = self.path().join(name);
+        let provenance = Provenance { unit: unit.into(), scene_name: name.into(), ..Provenance::default() };
+        write_radiance(&path, film, &Provenance { scene_sha256: name.into(), ..provenance }).unwrap();
+        shown(path)
+    }
+}
+
+fn shown(path: PathBuf) -> String {
+    path.into_os_string().into_string().unwrap()
+}
+
+const UNIT: &str = "W/(m^2 sr)";
+
+#[test]
+fn compare_passes_equal_light_and_says_so() {
+    let place = Place::new();
+    let a = place.radiance("a.exr", &film(1, 1.0), UNIT);
+    let b = place.radiance("b.exr", &film(2, 1.0), UNIT);
+    let output = tirtouch(&["compare", &a, &b]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    assert!(text(&output.stdout).starts_with("same"), "{output:?}");
+    assert!(output.stderr.is_empty(), "{output:?}");
+}
+
+#[test]
+fn compare_fails_with_exit_code_1_on_light_of_another_brightness() {
+    let place = Place::new();
+    let a = place.radiance("a.exr", &film(1, 1.0), UNIT);
+    let b = place.radiance("b.exr", &film(2, 1.02), UNIT);
+    let output = tirtouch(&["compare", &a, &b, "--json"]);
+    assert_eq!(code(&output), 1, "{output:?}");
+    let found = json(&output);
+    assert_eq!(found["passed"], false);
+    assert_eq!(found["level"], 0.001);
+    assert_eq!(found["tests"].as_array().unwrap().len(), 5);
+    for key in ["edge", "cells", "max_z", "chi2", "dof", "p_value", "passed"] {
+        assert!(!found["tests"][0][key].is_null(), "{key}");
+    }
+    // Whole images err by 0.05/32 = 0.16 % each: the interval holds 1.02 and not 1.
+    assert!(found["ratio"]["low"].as_f64().unwrap() > 1.0, "{found}");
+    assert!(found["ratio"]["high"].as_f64().unwrap() > 1.02, "{found}");
+    assert!(found["mean_a"].is_number() && found["mean_b"].is_number());
+}
+
+#[test]
+fn an_image_that_does_not_say_its_replicates_is_taken_to_have_few() {
+    let place = Place::new();
+    let folder = |seed: u64| {
+        let film = film(seed, 1.0);
+        let folder = place.path().join(seed.to_string());
+        std::fs::create_dir(&folder).unwrap();
+        for (name, values) in [("mean.exr", &film.mean), ("variance.exr", &film.variance)] {
+            let channel = AnyChannel::new("Y", FlatSamples::F32(values.clone()));
+            let encoding = Encoding {
+                compression: Compression::PIZ,
+                blocks: Blocks::ScanLines,
+                line_order: LineOrder::Increasing,
+            };
+            let channels = AnyChannels::sort(std::iter::once(channel).collect());
+            let layer = Layer::new((32, 32), LayerAttributes::default(), encoding, channels);
+            Image::from_layer(layer).write().to_file(folder.join(name)).unwrap();
+        }
+        shown(folder)
+    };
+    let (a, b) = (folder(1), folder(2));
+    let largest = |replicates: &str| {
+        let output = tirtouch(&["compare", &a, &b, "--json", "--replicates", replicates]);
+        assert_eq!(code(&output), 0, "{output:?}");
+        json(&output)["tests"][0]["max_z"].as_f64().unwrap()
+    };
+    // The fewer runs, the less a large quotient means.
+    assert!(largest("4") < largest("16") && largest("16") < largest("1000"));
+    let refused = tirtouch(&["compare", &a, &b, "--replicates", "1"]);
+    assert_eq!(code(&refused), 2, "{refused:?}");
+}
+
+#[test]
+fn dark_images_are_the_same_and_their_ratio_undefined() {
+    let place = Place::new();
+    let a = place.radiance("a.exr", &film(1, 0.0), UNIT);
+    let output = tirtouch(&["compare", &a, &a, "--json", "--quiet"]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    assert!(json(&output)["ratio"]["undefined"].is_string());
+}
+
+#[test]
+fn images_of_one_seed_are_noted_unless_quiet() {
+    let place = Place::new();
+    let a = place.radiance("a.exr", &film(1, 1.0), UNIT);
+    assert!(one_line(&tirtouch(&["compare", &a, &a])).contains("seed"));
+    assert!(tirtouch(&["compare", &a, &a, "--quiet"]).stderr.is_empty());
+}
+
+#[test]
+fn bad_input_is_exit_code_2_and_one_line_that_names_the_file() {
+    let place = Place::new();
+    let good = place.radiance("good.exr", &film(1, 1.0), UNIT);
+    let other_unit = place.radiance("unit.exr", &film(1, 1.0), "cd/m^2");
+    let mut small = BlockAccumulator::new(8, 4);
+    small.add(&[1.0; 32]).unwrap();
+    small.add(&[2.0; 32]).unwrap();
+    let small = place.radiance("small.exr", &small.finish(), UNIT);
+    let missing = shown(place.path().join("missing.exr"));
+    let text = shown(place.path().join("text.exr"));
+    std::fs::write(&text, "no image").unwrap();
+    let empty = shown(place.path().join("empty"));
+    std::fs::create_dir(&empty).unwrap();
+    let mut cut = std::fs::read(&good).unwrap();
+    cut.truncate(cut.len() / 2);
+    let half = shown(place.path().join("half.exr"));
+    std::fs::write(&half, cut).unwrap();
+    for bad in [&other_unit, &small, &missing, &text, &empty, &half] {
+        let output = tirtouch(&["compare", &good, bad]);
+        assert_eq!(code(&output), 2, "{bad}: {output:?}");
+        assert!(one_line(&output).contains(bad.as_str()), "{output:?}");
+        assert!(output.stdout.is_empty());
+
+        let output = tirtouch(&["compare", &good, bad, "--json"]);
+        assert_eq!(code(&output), 2);
+        let error = &json(&output)["error"];
+        assert_eq!(error["kind"], "input");
+        assert_eq!(error["message"], one_line(&output));
+        assert!(error["file"].as_str().unwrap().starts_with(bad.as_str()), "{error}");
+        assert!(error["line"].is_null() && error["key"].is_null());
+    }
+}
+
+#[test]
+fn wrong_use_is_exit_code_2_and_one_line() {
+    for arguments in [
+        &["compare", "a"][..],
+        &["compare", "a", "b", "c"],
+        &["compare", "a", "b", "--levels", "1"],
+        &["compare", "a", "b", "--level", "2"],
+        &["compare", "a", "b", "--level", "nan"],
+        &["compare", "a", "b", "--level", "-1"],
+        &["comprae"],
+        &["--wrong"],
+        &[],
+    ] {
+        let output = tirtouch(arguments);
+        assert_eq!(code(&output), 2, "{arguments:?}");
+        assert!(!one_line(&output).is_empty());
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+
+        let output = tirtouch(&[arguments, &["--json"]].concat());
+        assert_eq!(json(&output)["error"]["kind"], "usage", "{arguments:?}");
+        assert_eq!(code(&output), 2, "{arguments:?}");
+    }
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    for (arguments, expected) in
+        [(&["--help"][..], "compare"), (&["compare", "--help"], "--level"), (&["--version"], env!("CARGO_PKG_VERSION"))]
+    {
+        let output = tirtouch(arguments);
+        assert_eq!(code(&output), 0);
+        assert!(text(&output.stdout).contains(expected), "{output:?}");
+        assert!(output.stderr.is_empty());
+    }
+}
+
+/// /dev/full takes no byte.
+#[cfg(target_os = "linux")]
+#[test]
+fn results_that_cannot_be_written_are_exit_code_3() {
+    let place = Place::new();
+    let a = place.radiance("a.exr", &film(1, 1.0), UNIT);
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tirtouch"));
+    let output = command.args(["compare", &a, &a, "--quiet"]).stdout(full).output().unwrap();
+    assert_eq!(code(&output), 3, "{output:?}");
+    assert!(one_line(&output).contains("standard output"));
+}
