@@ -35,8 +35,7 @@ pub(super) fn install() -> Result<(), Failure> {
             std::process::exit(3);
         }
     };
-    ctrlc::set_handler(handler)
-        .map_err(|error| Failure::failed(format!("cannot listen for Ctrl-C: {error}")))
+    ctrlc::set_handler(handler).map_err(|error| Failure::failed(format!("cannot listen for Ctrl-C: {error}")))
 }
 
 /// Folders to remove when the program ends at once.

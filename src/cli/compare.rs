@@ -36,9 +36,7 @@ impl Compare {
         if let (Some(first), Some(second)) = (&provenance_a, &provenance_b) {
             check_units(&self.b, first, second)?;
             if !self.talk.quiet && shares_random_numbers(first, second) {
-                note(
-                    "both images have the same scene, seed and integrator: equal noise hides differences",
-                );
+                note("both images have the same scene, seed and integrator: equal noise hides differences");
             }
         }
         let comparison = self.compare(&a, &b)?;
@@ -46,11 +44,7 @@ impl Compare {
             true => print(&self.json(&comparison).to_string())?,
             false => print(&table(&comparison))?,
         }
-        Ok(if comparison.passed {
-            Outcome::Done
-        } else {
-            Outcome::CheckFailed
-        })
+        Ok(if comparison.passed { Outcome::Done } else { Outcome::CheckFailed })
     }
 
     fn read(&self, path: &Path) -> Result<(Film, Option<Provenance>), Failure> {
@@ -90,55 +84,28 @@ fn check_units(file: &Path, first: &Provenance, second: &Provenance) -> Result<(
     match first.unit == second.unit {
         true => Ok(()),
         false => {
-            let message = format!(
-                "{}: its unit is {}, the first image's {}",
-                file.display(),
-                second.unit,
-                first.unit
-            );
+            let message = format!("{}: its unit is {}, the first image's {}", file.display(), second.unit, first.unit);
             Err(Failure::input(message).in_file(file))
         }
     }
 }
 
 fn shares_random_numbers(first: &Provenance, second: &Provenance) -> bool {
-    let origin = |image: &Provenance| {
-        (
-            image.seed,
-            image.scene_sha256.clone(),
-            image.integrator.clone(),
-        )
-    };
+    let origin = |image: &Provenance| (image.seed, image.scene_sha256.clone(), image.integrator.clone());
     origin(first) == origin(second)
 }
 
 fn table(comparison: &Comparison) -> String {
-    let verdict = if comparison.passed {
-        "same"
-    } else {
-        "DIFFERENT"
-    };
+    let verdict = if comparison.passed { "same" } else { "DIFFERENT" };
     let mut text = format!("{verdict} (chance of a false alarm {})\n", comparison.level);
-    let _ = writeln!(
-        text,
-        "{:<14}{:>9}{:>11}{:>11}{:>11}",
-        "level", "cells", "largest z", "chi2/dof", "p"
-    );
+    let _ = writeln!(text, "{:<14}{:>9}{:>11}{:>11}{:>11}", "level", "cells", "largest z", "chi2/dof", "p");
     for test in &comparison.tests {
         let _ = writeln!(text, "{}", row(test));
     }
-    let _ = writeln!(
-        text,
-        "mean A {:.6e}, mean B {:.6e}",
-        comparison.mean_a, comparison.mean_b
-    );
+    let _ = writeln!(text, "mean A {:.6e}, mean B {:.6e}", comparison.mean_a, comparison.mean_b);
     match &comparison.ratio {
         Some(ratio) => {
-            let _ = writeln!(
-                text,
-                "B/A {:.6} (95 %: {:.6} to {:.6})",
-                ratio.value, ratio.low, ratio.high
-            );
+            let _ = writeln!(text, "B/A {:.6} (95 %: {:.6} to {:.6})", ratio.value, ratio.low, ratio.high);
         }
         None => text.push_str("B/A undefined: A is dark\n"),
     }
@@ -156,8 +123,5 @@ fn row(test: &LevelTest) -> String {
     }
     let mark = if test.passed { "" } else { "  <- differs" };
     let share = test.chi2 / test.dof;
-    format!(
-        "{name:<14}{:>9}{:>11.2}{share:>11.3}{:>11.2e}{mark}",
-        test.cells, test.max_z, test.p_value
-    )
+    format!("{name:<14}{:>9}{:>11.2}{share:>11.3}{:>11.2e}{mark}", test.cells, test.max_z, test.p_value)
 }

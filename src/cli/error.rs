@@ -37,18 +37,8 @@ pub struct Failure {
 impl Failure {
     fn new(kind: Kind, message: impl Into<String>) -> Self {
         // One line, whatever was quoted in it.
-        let message = message
-            .into()
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ");
-        Self {
-            kind,
-            message,
-            file: None,
-            line: None,
-            key: None,
-        }
+        let message = message.into().split_whitespace().collect::<Vec<_>>().join(" ");
+        Self { kind, message, file: None, line: None, key: None }
     }
 
     /// Wrong use of the command line (exit code 2).
@@ -75,28 +65,19 @@ impl Failure {
     /// The file it is about.
     #[must_use]
     pub fn in_file(self, file: &Path) -> Self {
-        Self {
-            file: Some(file.into()),
-            ..self
-        }
+        Self { file: Some(file.into()), ..self }
     }
 
     /// The line of that file, counted from 1.
     #[must_use]
     pub fn at_line(self, line: usize) -> Self {
-        Self {
-            line: Some(line),
-            ..self
-        }
+        Self { line: Some(line), ..self }
     }
 
     /// The key in that file.
     #[must_use]
     pub fn at_key(self, key: impl Into<String>) -> Self {
-        Self {
-            key: Some(key.into()),
-            ..self
-        }
+        Self { key: Some(key.into()), ..self }
     }
 
     /// The line without the program's name.

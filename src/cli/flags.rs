@@ -83,9 +83,9 @@ impl Common {
     /// When they ask for f64 on the GPU.
     pub fn backend(&self) -> Result<Backend, Failure> {
         match (self.backend, self.precision) {
-            (Backend::Gpu, Precision::F64) => Err(Failure::usage(
-                "the gpu computes in f32 only; f64 needs `--backend cpu`",
-            )),
+            (Backend::Gpu, Precision::F64) => {
+                Err(Failure::usage("the gpu computes in f32 only; f64 needs `--backend cpu`"))
+            }
             (Backend::Auto, Precision::F64) => Ok(Backend::Cpu),
             (backend, _) => Ok(backend),
         }
@@ -94,9 +94,7 @@ impl Common {
     /// The folder to write, `out/NAME` unless one is given.
     #[must_use]
     pub fn destination(&self, name: &str) -> PathBuf {
-        self.out
-            .clone()
-            .unwrap_or_else(|| PathBuf::from("out").join(name))
+        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(name))
     }
 }
 
@@ -111,19 +109,13 @@ fn integrator(text: &str) -> Result<Integrator, String> {
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|number: &f64| number.is_finite() && *number > 0.0);
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
     number.ok_or_else(|| "it must be a finite number above 0".into())
 }
 
 /// A probability strictly between 0 and 1.
 pub(super) fn probability(text: &str) -> Result<f64, String> {
-    positive(text)
-        .ok()
-        .filter(|number| *number < 1.0)
-        .ok_or_else(|| "it must be a number between 0 and 1".into())
+    positive(text).ok().filter(|number| *number < 1.0).ok_or_else(|| "it must be a number between 0 and 1".into())
 }
 
 #[cfg(test)]
@@ -140,34 +132,18 @@ mod tests {
 
     fn parse(flags: &[&str]) -> Result<Common, String> {
         let line = std::iter::once(&"tirtouch").chain(flags);
-        Line::try_parse_from(line)
-            .map(|line| line.common)
-            .map_err(|error| error.to_string())
+        Line::try_parse_from(line).map(|line| line.common).map_err(|error| error.to_string())
     }
 
     #[test]
     fn flags_arrive() {
-        let common = parse(&[
-            "-o",
-            "x",
-            "--force",
-            "--seed",
-            "7",
-            "--integrator",
-            "map",
-            "--seconds",
-            "1e2",
-        ])
-        .unwrap();
+        let common = parse(&["-o", "x", "--force", "--seed", "7", "--integrator", "map", "--seconds", "1e2"]).unwrap();
         assert_eq!(common.destination("scene"), PathBuf::from("x"));
         assert_eq!(common.seed, Some(7));
         assert_eq!(common.integrator, Some(Integrator::Map));
         assert_eq!(common.seconds, Some(100.0));
         assert!(common.force && !common.talk.json);
-        assert_eq!(
-            parse(&[]).unwrap().destination("scene"),
-            PathBuf::from("out/scene")
-        );
+        assert_eq!(parse(&[]).unwrap().destination("scene"), PathBuf::from("out/scene"));
     }
 
     #[test]
@@ -189,25 +165,14 @@ mod tests {
             let refusal = parse(&flags).unwrap_err();
             assert!(refusal.contains(flags[0]), "{flags:?}: {refusal}");
         }
-        assert!(
-            probability("1").is_err() && probability("0").is_err() && probability("1e-9").is_ok()
-        );
+        assert!(probability("1").is_err() && probability("0").is_err() && probability("1e-9").is_ok());
     }
 
     #[test]
     fn f64_goes_to_the_cpu_and_never_to_the_gpu() {
-        assert_eq!(
-            parse(&["--precision", "f64"]).unwrap().backend(),
-            Ok(Backend::Cpu)
-        );
-        let refused = parse(&["--precision", "f64", "--backend", "gpu"])
-            .unwrap()
-            .backend()
-            .unwrap_err();
+        assert_eq!(parse(&["--precision", "f64"]).unwrap().backend(), Ok(Backend::Cpu));
+        let refused = parse(&["--precision", "f64", "--backend", "gpu"]).unwrap().backend().unwrap_err();
         assert_eq!(refused.code(), 2);
-        assert_eq!(
-            parse(&["--backend", "gpu"]).unwrap().backend(),
-            Ok(Backend::Gpu)
-        );
+        assert_eq!(parse(&["--backend", "gpu"]).unwrap().backend(), Ok(Backend::Gpu));
     }
 }

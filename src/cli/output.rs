@@ -26,9 +26,7 @@ impl OutputFolder {
         };
         if let Ok(existing) = destination.symlink_metadata() {
             if !force {
-                return Err(input(format!(
-                    "{shown}: exists; `--force` replaces it, `--out` names another"
-                )));
+                return Err(input(format!("{shown}: exists; `--force` replaces it, `--out` names another")));
             }
             if !existing.is_dir() {
                 return Err(input(format!("{shown}: is no folder and is not replaced")));
@@ -40,11 +38,7 @@ impl OutputFolder {
             _ => Path::new("."),
         };
         let unwritable = |error: std::io::Error| {
-            Failure::input(format!(
-                "{}: no folder can be made there: {error}",
-                parent.display()
-            ))
-            .in_file(parent)
+            Failure::input(format!("{}: no folder can be made there: {error}", parent.display())).in_file(parent)
         };
         std::fs::create_dir_all(parent).map_err(unwritable)?;
         let prefix = format!(".{}.", name.to_string_lossy());
@@ -57,11 +51,7 @@ impl OutputFolder {
         builder.permissions(permissions);
         let staging = builder.tempdir_in(parent).map_err(unwritable)?;
         cancel::guard(staging.path());
-        Ok(Self {
-            destination: destination.into(),
-            staging,
-            force,
-        })
+        Ok(Self { destination: destination.into(), staging, force })
     }
 
     /// Where to write the file `name` for now.
@@ -78,8 +68,7 @@ impl OutputFolder {
         cancel::check()?;
         let failed = |error: std::io::Error| {
             let place = self.destination.display();
-            Failure::failed(format!("{place}: cannot be put in place: {error}"))
-                .in_file(&self.destination)
+            Failure::failed(format!("{place}: cannot be put in place: {error}")).in_file(&self.destination)
         };
         let aside = self.staging.path().with_extension("replaced");
         let exists = self.destination.symlink_metadata().is_ok();
@@ -91,11 +80,7 @@ impl OutputFolder {
             std::fs::rename(&self.destination, &aside).map_err(failed)?;
         }
         if let Err(error) = std::fs::rename(self.staging.path(), &self.destination) {
-            let restored = if exists {
-                std::fs::rename(&aside, &self.destination)
-            } else {
-                Ok(())
-            };
+            let restored = if exists { std::fs::rename(&aside, &self.destination) } else { Ok(()) };
             return Err(match restored {
                 Ok(()) => failed(error),
                 Err(_) => Failure::failed(format!(
@@ -126,11 +111,7 @@ fn refuse_to_replace_home(destination: &Path) -> Result<(), Failure> {
         return Ok(());
     };
     let home = std::env::var_os("HOME").map(PathBuf::from);
-    let mut kept = std::env::current_dir()
-        .ok()
-        .into_iter()
-        .chain(home)
-        .filter_map(|folder| folder.canonicalize().ok());
+    let mut kept = std::env::current_dir().ok().into_iter().chain(home).filter_map(|folder| folder.canonicalize().ok());
     match kept.any(|folder| folder.starts_with(&place)) {
         true => Err(Failure::input(format!(
             "{}: holds the working or home directory and is not replaced",
@@ -148,10 +129,8 @@ mod tests {
     use std::fs;
 
     fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<String> = fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
+        let mut names: Vec<String> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
     }
@@ -185,18 +164,10 @@ mod tests {
         fs::write(destination.join("old.txt"), "old").unwrap();
         let refused = OutputFolder::create(&destination, false).unwrap_err();
         assert_eq!(refused.code(), 2);
-        assert!(
-            refused.message().contains("--force"),
-            "{}",
-            refused.message()
-        );
+        assert!(refused.message().contains("--force"), "{}", refused.message());
         let folder = OutputFolder::create(&destination, true).unwrap();
         fs::write(folder.path("new.txt"), "new").unwrap();
-        assert_eq!(
-            names(&destination),
-            ["old.txt"],
-            "kept until the new one is whole"
-        );
+        assert_eq!(names(&destination), ["old.txt"], "kept until the new one is whole");
         folder.commit().unwrap();
         assert_eq!(names(&destination), ["new.txt"]);
         assert_eq!(names(place.path()), ["result"]);
@@ -230,10 +201,6 @@ mod tests {
             assert_eq!(refused.code(), 2, "{}", destination.display());
         }
         let below = OutputFolder::create(&file.join("result"), false).unwrap_err();
-        assert!(
-            below.message().contains(&*file.to_string_lossy()),
-            "it names the parent: {}",
-            below.message()
-        );
+        assert!(below.message().contains(&*file.to_string_lossy()), "it names the parent: {}", below.message());
     }
 }

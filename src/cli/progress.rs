@@ -32,12 +32,7 @@ impl Progress {
     #[must_use]
     pub fn new(quiet: bool) -> Self {
         let terminal = std::io::stderr().is_terminal();
-        Self {
-            shown: !quiet,
-            terminal,
-            started: Instant::now(),
-            state: Mutex::default(),
-        }
+        Self { shown: !quiet, terminal, started: Instant::now(), state: Mutex::default() }
     }
 
     /// Tells that the share `done` (0 to 1) of the whole work is done and that it is now at `what`.
@@ -46,21 +41,14 @@ impl Progress {
         if !self.shown || elapsed < PATIENCE {
             return;
         }
-        let done = if done.is_finite() {
-            done.clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
+        let done = if done.is_finite() { done.clamp(0.0, 1.0) } else { 0.0 };
         let message = format!("{what}{}", time_left(elapsed, done));
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if self.terminal {
             let bar = state.bar.get_or_insert_with(new_bar);
             bar.set_position((done * STEPS as f64) as u64);
             bar.set_message(message);
-        } else if state
-            .last_line
-            .is_none_or(|last| last.elapsed() >= BETWEEN_LINES)
-        {
+        } else if state.last_line.is_none_or(|last| last.elapsed() >= BETWEEN_LINES) {
             state.last_line = Some(Instant::now());
             super::note(&format!("{:.0} % {message}", 100.0 * done));
         }

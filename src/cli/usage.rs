@@ -15,39 +15,25 @@ pub(super) enum Parsed {
 
 /// Whether errors go out as JSON, known before the arguments are.
 pub(super) fn asks_for_json(arguments: impl Iterator<Item = OsString>) -> bool {
-    arguments
-        .skip(1)
-        .take_while(|argument| argument != "--")
-        .any(|argument| argument == "--json")
+    arguments.skip(1).take_while(|argument| argument != "--").any(|argument| argument == "--json")
 }
 
 pub(super) fn parse(arguments: impl Iterator<Item = OsString>) -> Result<Parsed, Failure> {
-    CommandLine::try_parse_from(arguments)
-        .map(Parsed::CommandLine)
-        .or_else(|error| match error.kind() {
-            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-                Ok(Parsed::Text(error.render().to_string()))
-            }
-            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => Err(Failure::usage(
-                "a command is missing; `tirtouch --help` lists them",
-            )),
-            _ => Err(Failure::usage(one_line(&error.render().to_string()))),
-        })
+    CommandLine::try_parse_from(arguments).map(Parsed::CommandLine).or_else(|error| match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Ok(Parsed::Text(error.render().to_string())),
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            Err(Failure::usage("a command is missing; `tirtouch --help` lists them"))
+        }
+        _ => Err(Failure::usage(one_line(&error.render().to_string()))),
+    })
 }
 
 /// What clap says before it comes to the usage, as one line.
 fn one_line(text: &str) -> String {
-    let said = text
-        .lines()
-        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
-    let lines: Vec<&str> = said
-        .map(str::trim)
-        .filter(|line| !line.is_empty())
-        .collect();
+    let said = text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
+    let lines: Vec<&str> = said.map(str::trim).filter(|line| !line.is_empty()).collect();
     let line = lines.join(" ");
-    line.strip_prefix("error: ")
-        .unwrap_or(&line)
-        .replace(" tip: ", "; ")
+    line.strip_prefix("error: ").unwrap_or(&line).replace(" tip: ", "; ")
 }
 
 #[cfg(test)]
@@ -66,14 +52,8 @@ mod tests {
     #[test]
     fn a_wrong_flag_is_one_line_without_the_usage() {
         let line = refusal(&["tirtouch", "compare", "a", "b", "--levle", "1"]);
-        assert!(
-            line.contains("'--levle'") && line.contains("'--level'"),
-            "{line}"
-        );
-        assert!(
-            !line.contains('\n') && !line.contains("Usage") && !line.starts_with("error"),
-            "{line}"
-        );
+        assert!(line.contains("'--levle'") && line.contains("'--level'"), "{line}");
+        assert!(!line.contains('\n') && !line.contains("Usage") && !line.starts_with("error"), "{line}");
     }
 
     #[test]

@@ -216,46 +216,23 @@ mod tests {
 
     fn attribute(name: &str, kind: &str, value: &[u8]) -> Vec<u8> {
         let length = (value.len() as i32).to_le_bytes();
-        [
-            name.as_bytes(),
-            b"\0",
-            kind.as_bytes(),
-            b"\0",
-            &length,
-            value,
-        ]
-        .concat()
+        [name.as_bytes(), b"\0", kind.as_bytes(), b"\0", &length, value].concat()
     }
 
     fn channel(name: &str, sampling: i32) -> Vec<u8> {
-        let numbers = [
-            2_i32.to_le_bytes(),
-            [0; 4],
-            sampling.to_le_bytes(),
-            1_i32.to_le_bytes(),
-        ]
-        .concat();
+        let numbers = [2_i32.to_le_bytes(), [0; 4], sampling.to_le_bytes(), 1_i32.to_le_bytes()].concat();
         [name.as_bytes(), b"\0", &numbers].concat()
     }
 
     fn file(version: u32, window: [i32; 4], compression: u8, channels: &[u8]) -> Vec<u8> {
-        let window: Vec<u8> = window
-            .iter()
-            .flat_map(|number| number.to_le_bytes())
-            .collect();
+        let window: Vec<u8> = window.iter().flat_map(|number| number.to_le_bytes()).collect();
         let channels = [channels, b"\0"].concat();
         let attributes = [
             attribute("channels", "chlist", &channels),
             attribute("compression", "compression", &[compression]),
             attribute("dataWindow", "box2i", &window),
         ];
-        [
-            &MAGIC[..],
-            &version.to_le_bytes(),
-            &attributes.concat(),
-            b"\0",
-        ]
-        .concat()
+        [&MAGIC[..], &version.to_le_bytes(), &attributes.concat(), b"\0"].concat()
     }
 
     #[test]
@@ -264,43 +241,21 @@ mod tests {
         let header = read(&bytes).unwrap();
         assert_eq!((header.width, header.height, header.first_line), (8, 8, -2));
         assert_eq!(header.compression, Compression::ZIP16);
-        assert_eq!(
-            header.channels,
-            [Channel {
-                name: "mean".into(),
-                kind: SampleType::F32
-            }]
-        );
+        assert_eq!(header.channels, [Channel { name: "mean".into(), kind: SampleType::F32 }]);
         assert_eq!(header.length, bytes.len());
     }
 
     #[test]
     fn sizes_beyond_the_limits_are_refused_before_anything_is_allocated() {
         let one = channel("mean", 1);
-        let windows = [
-            [0, 0, i32::MAX, 0],
-            [i32::MIN, 0, i32::MAX, 0],
-            [0, 0, 0, 16_384],
-            [0, 0, 16_383, 16_383],
-        ];
+        let windows = [[0, 0, i32::MAX, 0], [i32::MIN, 0, i32::MAX, 0], [0, 0, 0, 16_384], [0, 0, 16_383, 16_383]];
         for window in windows {
             let refused = read(&file(2, window, 3, &one)).unwrap_err();
-            assert!(
-                matches!(refused, Refusal::TooLarge { .. }),
-                "{window:?}: {refused:?}"
-            );
+            assert!(matches!(refused, Refusal::TooLarge { .. }), "{window:?}: {refused:?}");
         }
-        let many: Vec<u8> = (0..17)
-            .flat_map(|number| channel(&format!("c{number}"), 1))
-            .collect();
-        assert!(matches!(
-            read(&file(2, [0, 0, 7, 7], 3, &many)),
-            Err(Refusal::TooLarge { found: 17, .. })
-        ));
-        assert!(matches!(
-            read(&file(2, [0, 0, -1, 7], 3, &one)),
-            Err(Refusal::Damaged(_))
-        ));
+        let many: Vec<u8> = (0..17).flat_map(|number| channel(&format!("c{number}"), 1)).collect();
+        assert!(matches!(read(&file(2, [0, 0, 7, 7], 3, &many)), Err(Refusal::TooLarge { found: 17, .. })));
+        assert!(matches!(read(&file(2, [0, 0, -1, 7], 3, &one)), Err(Refusal::Damaged(_))));
     }
 
     #[test]

@@ -122,16 +122,12 @@ mod tests {
     fn grey_levels_come_back_in_both_depths() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("grey.png");
-        for (depth, levels, full) in [
-            (8, [0, 1, 2, 128, 254, 255], 255.0),
-            (16, [0, 1, 255, 256, 65534, 65535], 65535.0),
-        ] {
+        for (depth, levels, full) in
+            [(8, [0, 1, 2, 128, 254, 255], 255.0), (16, [0, 1, 255, 256, 65534, 65535], 65535.0)]
+        {
             write_png_grey(&path, 3, 2, &levels, depth).unwrap();
             let grey = read_grey(&path).unwrap();
-            assert_eq!(
-                (grey.width, grey.height, grey.full_scale, grey.linear),
-                (3, 2, Some(full), false)
-            );
+            assert_eq!((grey.width, grey.height, grey.full_scale, grey.linear), (3, 2, Some(full), false));
             assert_eq!(grey.values, levels.map(f64::from));
         }
     }
@@ -151,8 +147,7 @@ mod tests {
     fn pictures_that_do_not_fit_are_refused_on_writing() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("grey.png");
-        let unsupported =
-            |result: Result<(), ImageError>| matches!(result, Err(ImageError::Unsupported { .. }));
+        let unsupported = |result: Result<(), ImageError>| matches!(result, Err(ImageError::Unsupported { .. }));
         assert!(unsupported(write_png_grey(&path, 2, 1, &[0, 256], 8)));
         assert!(unsupported(write_png_grey(&path, 2, 1, &[0, 1], 12)));
         assert!(unsupported(write_png_grey(&path, 2, 2, &[0, 1], 8)));

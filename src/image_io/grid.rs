@@ -97,27 +97,14 @@ mod tests {
     fn what_is_no_finite_number_is_named_by_row_and_column() {
         for bad in ["nan", "inf", "-inf", "1e999", "x", ""] {
             let error = csv(&format!("1,2\n3,{bad}\n")).unwrap_err();
-            assert!(
-                matches!(
-                    error,
-                    ImageError::Value {
-                        row: 2,
-                        column: 2,
-                        ..
-                    }
-                ),
-                "{bad}: {error}"
-            );
+            assert!(matches!(error, ImageError::Value { row: 2, column: 2, .. }), "{bad}: {error}");
         }
     }
 
     #[test]
     fn unequal_rows_and_empty_files_are_refused() {
         let error = csv("1,2\n3\n").unwrap_err().to_string();
-        assert!(
-            error.contains("row 2 has 1 numbers, the first row 2"),
-            "{error}"
-        );
+        assert!(error.contains("row 2 has 1 numbers, the first row 2"), "{error}");
         assert!(csv("").is_err());
     }
 

@@ -117,12 +117,7 @@ fn a_small_exr_that_asks_for_a_large_image_is_refused() {
     let (name, bytes) = &FILES[4];
     let mut bytes = bytes.clone();
     let key = b"dataWindow\0box2i\0";
-    let start = bytes
-        .windows(key.len())
-        .position(|window| window == key)
-        .unwrap()
-        + key.len()
-        + 4;
+    let start = bytes.windows(key.len()).position(|window| window == key).unwrap() + key.len() + 4;
     let window = [0_i32, 0, 8191, 8191].map(i32::to_le_bytes).concat();
     bytes[start..start + 16].copy_from_slice(&window);
     let refused = read_radiance(&Place::new().file(name, &bytes)).unwrap_err();
@@ -132,26 +127,13 @@ fn a_small_exr_that_asks_for_a_large_image_is_refused() {
 #[test]
 fn a_picture_wider_than_the_limit_is_refused() {
     let place = Place::new();
-    for (name, format) in [
-        ("wide.png", image::ImageFormat::Png),
-        ("wide.tiff", image::ImageFormat::Tiff),
-    ] {
+    for (name, format) in [("wide.png", image::ImageFormat::Png), ("wide.tiff", image::ImageFormat::Tiff)] {
         let mut bytes = Cursor::new(Vec::new());
-        image::GrayImage::new(limits::DIMENSION as u32 + 1, 1)
-            .write_to(&mut bytes, format)
-            .unwrap();
-        assert!(
-            read_grey(&place.file(name, bytes.get_ref())).is_err(),
-            "{name}"
-        );
+        image::GrayImage::new(limits::DIMENSION as u32 + 1, 1).write_to(&mut bytes, format).unwrap();
+        assert!(read_grey(&place.file(name, bytes.get_ref())).is_err(), "{name}");
         let mut bytes = Cursor::new(Vec::new());
-        image::GrayImage::new(limits::DIMENSION as u32, 1)
-            .write_to(&mut bytes, format)
-            .unwrap();
-        assert!(
-            read_grey(&place.file(name, bytes.get_ref())).is_ok(),
-            "{name}"
-        );
+        image::GrayImage::new(limits::DIMENSION as u32, 1).write_to(&mut bytes, format).unwrap();
+        assert!(read_grey(&place.file(name, bytes.get_ref())).is_ok(), "{name}");
     }
 }
 
@@ -160,10 +142,7 @@ fn a_picture_wider_than_the_limit_is_refused() {
 #[test]
 fn a_full_disk_is_an_error() {
     let full = Path::new("/dev/full");
-    assert!(matches!(
-        write_png_grey(full, 1, 1, &[7], 8),
-        Err(ImageError::Write { .. })
-    ));
+    assert!(matches!(write_png_grey(full, 1, 1, &[7], 8), Err(ImageError::Write { .. })));
 }
 
 proptest! {

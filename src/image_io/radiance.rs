@@ -175,10 +175,8 @@ mod tests {
     fn film() -> Film {
         let mut sums = BlockAccumulator::new(24, 18);
         for replicate in 0..8_usize {
-            let pixel =
-                |index: usize| 1.0 + ((index / 2 + 1) * (replicate + 3) * 7919 % 101) as f64 * 1e-3;
-            sums.add(&(0..24 * 18).map(pixel).collect::<Vec<_>>())
-                .unwrap();
+            let pixel = |index: usize| 1.0 + ((index / 2 + 1) * (replicate + 3) * 7919 % 101) as f64 * 1e-3;
+            sums.add(&(0..24 * 18).map(pixel).collect::<Vec<_>>()).unwrap();
         }
         sums.finish()
     }
@@ -209,24 +207,12 @@ mod tests {
         let (read, origin) = read_radiance(&path).unwrap();
         assert_eq!((read.width, read.height, read.replicates), (24, 18, 8));
         assert_eq!((&read.mean, &read.variance), (&film.mean, &film.variance));
-        let expected = Provenance {
-            replicates: 8,
-            inflation: film.inflation(),
-            ..provenance()
-        };
+        let expected = Provenance { replicates: 8, inflation: film.inflation(), ..provenance() };
         assert_eq!(origin, Some(expected));
         // Its blocks are those of its pixels and factors.
-        let rebuilt = Film {
-            blocks: Vec::new(),
-            ..film.clone()
-        }
-        .with_blocks(&film.inflation());
+        let rebuilt = Film { blocks: Vec::new(), ..film.clone() }.with_blocks(&film.inflation());
         assert_eq!(read.blocks, rebuilt.blocks);
-        assert!(
-            film.inflation().iter().any(|entry| entry.factor > 1.5),
-            "the pairs show: {:?}",
-            film.inflation()
-        );
+        assert!(film.inflation().iter().any(|entry| entry.factor > 1.5), "the pairs show: {:?}", film.inflation());
     }
 
     #[test]
@@ -250,12 +236,7 @@ mod tests {
         write_radiance(&path, &film(), &provenance()).unwrap();
         let meta = exr::meta::MetaData::read_from_file(&path, true).unwrap();
         assert_eq!(meta.headers.len(), 1);
-        let names: Vec<String> = meta.headers[0]
-            .channels
-            .list
-            .iter()
-            .map(|channel| channel.name.to_string())
-            .collect();
+        let names: Vec<String> = meta.headers[0].channels.list.iter().map(|channel| channel.name.to_string()).collect();
         assert_eq!(names, ["mean", "variance"]);
         assert_eq!(meta.headers[0].own_attributes.other.len(), 1);
     }
@@ -265,36 +246,19 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let write = |name: &str, compression: Compression, value: f32| {
             let channel = AnyChannel::new("Y", FlatSamples::F32(vec![value; 40]));
-            let encoding = Encoding {
-                compression,
-                blocks: Blocks::ScanLines,
-                line_order: LineOrder::Increasing,
-            };
+            let encoding = Encoding { compression, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
             let channels = AnyChannels::sort(std::iter::once(channel).collect());
             let layer = Layer::new((8, 5), LayerAttributes::default(), encoding, channels);
-            Image::from_layer(layer)
-                .write()
-                .to_file(place.path().join(name))
-                .unwrap();
+            Image::from_layer(layer).write().to_file(place.path().join(name)).unwrap();
         };
         write("mean.exr", Compression::PIZ, 2.0);
-        assert!(
-            matches!(read_radiance(place.path()), Err(ImageError::Read { .. })),
-            "variance.exr is missing"
-        );
+        assert!(matches!(read_radiance(place.path()), Err(ImageError::Read { .. })), "variance.exr is missing");
         write("variance.exr", Compression::ZIP16, 0.25);
         let (film, origin) = read_radiance(place.path()).unwrap();
         assert_eq!((film.mean, film.variance), (vec![2.0; 40], vec![0.25; 40]));
         assert_eq!((film.replicates, origin), (0, None));
         write("variance.exr", Compression::ZIP16, -1.0);
-        assert!(matches!(
-            read_radiance(place.path()),
-            Err(ImageError::Value {
-                row: 1,
-                column: 1,
-                ..
-            })
-        ));
+        assert!(matches!(read_radiance(place.path()), Err(ImageError::Value { row: 1, column: 1, .. })));
     }
 
     #[test]
@@ -304,31 +268,15 @@ mod tests {
         let mut film = film();
         film.mean[24 * 2 + 5] = f32::NAN;
         write_radiance(&path, &film, &provenance()).unwrap();
-        assert!(matches!(
-            read_radiance(&path),
-            Err(ImageError::Value {
-                row: 3,
-                column: 6,
-                ..
-            })
-        ));
+        assert!(matches!(read_radiance(&path), Err(ImageError::Value { row: 3, column: 6, .. })));
     }
 
     #[test]
     fn a_place_that_cannot_be_written_is_an_error() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("missing/radiance.exr");
-        assert!(matches!(
-            write_radiance(&path, &film(), &provenance()),
-            Err(ImageError::Write { .. })
-        ));
-        let short = Film {
-            height: 19,
-            ..film()
-        };
-        assert!(matches!(
-            write_radiance(&path, &short, &provenance()),
-            Err(ImageError::Unsupported { .. })
-        ));
+        assert!(matches!(write_radiance(&path, &film(), &provenance()), Err(ImageError::Write { .. })));
+        let short = Film { height: 19, ..film() };
+        assert!(matches!(write_radiance(&path, &short, &provenance()), Err(ImageError::Unsupported { .. })));
     }
 }

@@ -28,11 +28,7 @@ impl Cells<'_> {
     pub fn iter(&self) -> impl Iterator<Item = Cell> {
         let pairs = self.mean.iter().zip(self.variance);
         let freedom = self.freedom;
-        pairs.map(move |(&mean, &variance)| Cell {
-            mean: mean.into(),
-            variance: variance.into(),
-            freedom,
-        })
+        pairs.map(move |(&mean, &variance)| Cell { mean: mean.into(), variance: variance.into(), freedom })
     }
 
     pub fn first(&self) -> Cell {
@@ -67,10 +63,7 @@ impl Tiles {
     fn new(columns: u32, cells: usize) -> Self {
         let columns = columns.max(1) as usize;
         let cells = [columns, cells.div_ceil(columns).max(1)];
-        Self {
-            cells,
-            tiles: cells.map(|cells| (cells / TILE).max(1)),
-        }
+        Self { cells, tiles: cells.map(|cells| (cells / TILE).max(1)) }
     }
 
     fn count(&self) -> usize {
@@ -90,11 +83,7 @@ pub(super) fn test_cell(mut a: Cell, mut b: Cell, weights: [f64; 2], always: boo
         return None;
     }
     let light = (a.mean + b.mean) / 2.0;
-    if !always
-        && weights
-            .iter()
-            .any(|weight| light < MIN_CONTRIBUTIONS * weight)
-    {
+    if !always && weights.iter().any(|weight| light < MIN_CONTRIBUTIONS * weight) {
         return None;
     }
     for (cell, weight) in [&mut a, &mut b].into_iter().zip(weights) {
@@ -108,10 +97,7 @@ pub(super) fn test_cell(mut a: Cell, mut b: Cell, weights: [f64; 2], always: boo
     if difference == 0.0 {
         return Some(1.0);
     }
-    Some(tails::two_sided(
-        difference / variance.sqrt(),
-        welch(variance, a, b),
-    ))
+    Some(tails::two_sided(difference / variance.sqrt(), welch(variance, a, b)))
 }
 
 /// Degrees of freedom of a difference of two cells (Welch 1947).
@@ -127,26 +113,12 @@ pub(super) fn ratio(a: Cell, b: Cell) -> Option<Ratio> {
     }
     let value = b.mean / a.mean;
     // The derivatives of b/a turn both into variances of the ratio.
-    let of_a = Cell {
-        variance: a.variance * (value / a.mean).powi(2),
-        ..a
-    };
-    let of_b = Cell {
-        variance: b.variance / (a.mean * a.mean),
-        ..b
-    };
+    let of_a = Cell { variance: a.variance * (value / a.mean).powi(2), ..a };
+    let of_b = Cell { variance: b.variance / (a.mean * a.mean), ..b };
     let variance = of_a.variance + of_b.variance;
     if variance == 0.0 {
-        return Some(Ratio {
-            value,
-            low: value,
-            high: value,
-        });
+        return Some(Ratio { value, low: value, high: value });
     }
     let half = tails::quantile_95(welch(variance, of_a, of_b)) * variance.sqrt();
-    Some(Ratio {
-        value,
-        low: value - half,
-        high: value + half,
-    })
+    Some(Ratio { value, low: value - half, high: value + half })
 }
