@@ -59,7 +59,7 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
     return FAR;
 }
 
-fn surface_normal(i: u32, o: vec3f) -> vec3f {
+fn surface_normal(i: u32, o: vec3f, side: f32) -> vec3f {
     return normalize(vec3f(-field_at(i, o.xy).yz, 1.0));
 }
 

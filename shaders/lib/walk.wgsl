@@ -139,7 +139,7 @@ fn walk() -> u32 {
         if (t >= FAR) { return select(END_LOST, END_TOP, DEFORMED && path.layer > top); }
         var normal = vec3f(0.0, 0.0, 1.0);
         if (DEFORMED && faces[i].share != 0.0) {
-            normal = surface_normal(i, path.o);
+            normal = surface_normal(i, path.o, side);
         } else {
             path.o.z = faces[i].z;
         }
