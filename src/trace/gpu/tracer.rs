@@ -14,6 +14,9 @@ use wgpu::BufferUsages as Usage;
 /// Threads per workgroup, as in the entry points.
 const WORKGROUP: u32 = 64;
 
+/// A change to a kernel's WGSL before it is compiled.
+pub type SourceEdit = Box<dyn Fn(Entry, String) -> String + Send + Sync>;
+
 /// A scene loaded on a GPU.
 pub struct GpuTracer {
     gpu: Gpu,
@@ -33,6 +36,7 @@ pub struct GpuTracer {
     ledger: wgpu::Buffer,
     events: Option<wgpu::Buffer>,
     pipelines: HashMap<Entry, wgpu::ComputePipeline>,
+    edit: Option<SourceEdit>,
 }
 
 impl GpuTracer {
@@ -67,10 +71,16 @@ impl GpuTracer {
             ledger: gpu.buffer("ledger", 8 * book::SLOTS as u64, Usage::STORAGE | Usage::COPY_SRC)?,
             events: None,
             pipelines: HashMap::new(),
+            edit: None,
             kernel,
             model,
             gpu,
         })
+    }
+
+    /// Loads a model, and changes the kernels' WGSL before it is compiled: to inject faults that tests must find.
+    pub fn with_source(gpu: Gpu, model: &Model<f64>, edit: SourceEdit) -> Result<Self, TraceError> {
+        Ok(Self { edit: Some(edit), ..Self::on(gpu, model)? })
     }
 
     /// Name of the adapter and its driver.
@@ -106,6 +116,10 @@ impl GpuTracer {
         let device = &self.gpu.device;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let text = source(&self.kernel, entry, self.events.is_some());
+        let text = match &self.edit {
+            Some(edit) => edit(entry, text),
+            None => text,
+        };
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("kernel"),
             source: wgpu::ShaderSource::Wgsl(text.into()),
