@@ -1,12 +1,12 @@
 //! Geometry at its limits: grazing rays, rays through corners, ten thousand bounces.
 
-use crate::scenes::{Case, direction, variants};
-use crate::watch::Seen;
+use crate::scenes::{Case, variants};
+use crate::watch::{Seen, direction};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
-use tirtouch::scene::{Shape, Walls};
-use tirtouch::trace::Model;
+use tirtouch::scene::{Scene, Shape, Walls};
 use tirtouch::trace::cpu::vec3::v3;
 use tirtouch::trace::cpu::{End, Limits, Path};
+use tirtouch::trace::{Model, model};
 
 fn hard_cases() -> Vec<(String, Model<f32>)> {
     let presets = ["tsis-paper", "dent-cap", "tsis-dent", "contact-disc"].map(Case::preset);
@@ -54,7 +54,7 @@ fn grazing_rays_keep_their_place() {
         within.merge(along).assert_sound(&name);
         assert_eq!(within.lost, 0, "{name}: {within:?}");
         // A ray that creeps along a height field takes more Newton steps than it is given, and is counted as lost.
-        if !matches!(model.shape, tirtouch::trace::model::Shape::Field(_)) {
+        if !matches!(model.shape, model::Shape::Field(_)) {
             assert_eq!(along.lost, 0, "{name}: {along:?}");
         }
     }
@@ -83,8 +83,8 @@ fn rays_through_edges_and_corners_keep_their_place() {
             all = all.merge(inside(&model, step, [x, y, corner[0]], layer, inward));
             let node = [half_x * (f64::from(step % 8) / 4.0 - 1.0), half_y * (f64::from(step / 8) / 4.0 - 1.0)];
             let mut seen = Seen::default();
-            seen.from_below(&model, step, node, direction(0.0, 0.0));
-            seen.from_below(&model, step, node, direction(FRAC_PI_4, turn));
+            seen.camera_ray(&model, step, node, direction(0.0, 0.0));
+            seen.camera_ray(&model, step, node, direction(FRAC_PI_4, turn));
             all = all.merge(seen);
         }
         println!("{name}: {all:?}");
@@ -94,7 +94,7 @@ fn rays_through_edges_and_corners_keep_their_place() {
 }
 
 /// A stack of mirrors all round, without LEDs.
-fn cavity(change: impl FnOnce(&mut tirtouch::scene::Scene)) -> Model<f32> {
+fn cavity(change: impl FnOnce(&mut Scene)) -> Model<f32> {
     let mut case = Case::preset("flat-bonded");
     case.loaded.scene.stack.walls = Walls::Mirror { reflectance: 1.0 };
     change(&mut case.loaded.scene);

@@ -52,9 +52,13 @@ fn against_f64(case: &Case, twin: &Case, method: Method, level: f64) -> Option<C
     Some(compare(&a, &b, level).unwrap())
 }
 
+/// Presets that the stored images hold, or that are dark: the golden test renders them in f32 against f64 as well.
+const STORED: [&str; 5] = ["tsis-paper", "tsis-literature", "dent-cap", "rough", "absorbing"];
+
 #[test]
 fn gpu_films_agree_with_those_of_the_twin_in_f64() {
-    let cases: Vec<Case> = presets().into_iter().chain(variants()).collect();
+    let all = presets().into_iter().chain(variants());
+    let cases: Vec<Case> = all.filter(|case| !STORED.contains(&case.name.as_str())).collect();
     let mut jobs: Vec<(&Case, Method)> = Vec::new();
     for case in &cases {
         let kernel = Kernel::of(&case.model([4, 3]));

@@ -3,10 +3,9 @@
 //! `TIRTOUCH_LEAK_SEGMENTS=1e8` asks for that many segments on every preset (some minutes); 2e6 without it.
 
 use crate::scenes::{Case, presets, variants};
-use crate::watch::Seen;
+use crate::watch::{Seen, direction};
 use rayon::prelude::*;
-use tirtouch::trace::cpu::Limits;
-use tirtouch::trace::cpu::Path;
+use tirtouch::trace::cpu::{Limits, Path};
 use tirtouch::trace::model::Real;
 
 const SEGMENTS: &str = "TIRTOUCH_LEAK_SEGMENTS";
@@ -28,8 +27,8 @@ fn watch(case: &Case, segments: u64) -> Seen {
             draws.start_random(!round, k, 0);
             let [x, y, z, turn] = std::array::from_fn(|_| draws.draw().wide());
             let at = [(2.0 * x - 1.0) * half_x, (2.0 * y - 1.0) * half_y];
-            let d = crate::scenes::direction(z.acos(), std::f64::consts::TAU * turn);
-            seen.from_below(&model, round.wrapping_mul(ROUND).wrapping_add(k), at, d);
+            let d = direction(z.acos(), std::f64::consts::TAU * turn);
+            seen.camera_ray(&model, round.wrapping_mul(ROUND).wrapping_add(k), at, d);
             seen
         });
         all = all.merge(seen.reduce(Seen::default, Seen::merge));

@@ -1,6 +1,5 @@
 //! The scenes of the tests: every preset, and variants for the pieces of the kernels that no preset needs.
 
-use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use tirtouch::scene::{self, Inner, Lens, LoadedScene, Normals, PRESETS, Pattern, Roughness, Shape, Walls};
 use tirtouch::surface::{contact_map, surface};
@@ -110,9 +109,3 @@ fn dent_obj() -> String {
 /// A narrow beam, wider across than up.
 const LED_IES: &str = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1.0 4 2 1 2 0 0 0\n1 1 0\n0 30 60 90\n0 90\n\
                        100 80 30 0\n100, 50, 5, 0\n";
-
-/// Sends the ray of direction `angle` from the z axis, in the plane of azimuth `turn` (radians), as a unit vector.
-pub fn direction(angle: f64, turn: f64) -> [f64; 3] {
-    debug_assert!(angle <= PI);
-    [angle.sin() * turn.cos(), angle.sin() * turn.sin(), angle.cos()]
-}

@@ -1,6 +1,7 @@
 //! A guard that looks at a path of the twin between any two steps of its walk.
 
 use tirtouch::trace::Model;
+use tirtouch::trace::cpu::vec3::{V3, v3};
 use tirtouch::trace::cpu::{End, Limits, Path};
 use tirtouch::trace::model::Real;
 
@@ -117,19 +118,23 @@ impl Seen {
     }
 
     /// Follows a ray that comes in from below at (x, y) with direction d, as a camera path does.
-    pub fn from_below<T: Real>(&mut self, model: &Model<T>, k: u32, [x, y]: [f64; 2], d: [f64; 3]) {
+    pub fn camera_ray<T: Real>(&mut self, model: &Model<T>, k: u32, [x, y]: [f64; 2], d: [f64; 3]) {
         let mut path = Path::new(model, Limits::default());
         path.start_random(0x0ca3e4a, k, 0);
         path.o.x = T::of(x);
         path.o.y = T::of(y);
         let n = model.surround_n.wide();
-        path.p = tirtouch::trace::cpu::vec3::v3(T::of(n * d[0]), T::of(n * d[1]), T::of(n * d[2]));
-        let up = tirtouch::trace::cpu::vec3::V3::up();
-        if path.meet(0, up, T::one()) {
+        path.p = v3(T::of(n * d[0]), T::of(n * d[1]), T::of(n * d[2]));
+        if path.meet(0, V3::up(), T::one()) {
             path.layer = 1;
             self.follow(&mut path, End::GoesOn);
         }
     }
+}
+
+/// The unit vector at `angle` from the z axis and azimuth `turn`, radians.
+pub fn direction(angle: f64, turn: f64) -> [f64; 3] {
+    [angle.sin() * turn.cos(), angle.sin() * turn.sin(), angle.cos()]
 }
 
 #[test]
