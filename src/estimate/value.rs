@@ -63,6 +63,17 @@ impl Value<f64> {
     }
 }
 
+impl Value<[f64; 2]> {
+    /// One coordinate of a point: 0 for the column, anything else for the row.
+    pub fn axis(&self, axis: usize) -> Value {
+        let pick = |[column, row]: &[f64; 2]| if axis == 0 { *column } else { *row };
+        match self {
+            Self::Known { value, low, high } => Value::known(pick(value), pick(low), pick(high)),
+            Self::Undefined { reason } => Value::undefined(reason.clone()),
+        }
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
