@@ -279,5 +279,6 @@ fn check_settings(camera: &Camera, wavelength_nm: f64) -> Result<(), ExposureErr
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 #[path = "exposure_tests.rs"]
 mod tests;

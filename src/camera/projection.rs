@@ -141,7 +141,7 @@ impl View {
     ///
     /// `None` where total reflection below a layer thinner than the surround (optically) keeps the ray out.
     pub fn touched_from_pixel(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
-        let [u, v] = self.from_center(pixel);
+        let [u, v] = self.offset_px(pixel);
         let radius_px = u.hypot(v);
         let (r, _) = self.reach_mm(radius_px / self.focal_px)?;
         let scale = if radius_px > 0.0 { r / radius_px } else { 0.0 };
@@ -163,7 +163,7 @@ impl View {
     /// The ray of the point (column, row) of the image: the pinhole, then its points on every face from the lowest
     /// to the touched one, in mm of the scene. Ends early at a face that reflects it totally.
     pub fn ray_mm(&self, pixel: [f64; 2]) -> Vec<[f64; 3]> {
-        let [u, v] = self.from_center(pixel);
+        let [u, v] = self.offset_px(pixel);
         let radius_px = u.hypot(v);
         let t = radius_px / self.focal_px;
         let direction = if radius_px > 0.0 {
@@ -188,7 +188,7 @@ impl View {
     }
 
     /// Offset from the image's centre with y up, pixels.
-    fn from_center(&self, [column, row]: [f64; 2]) -> [f64; 2] {
+    fn offset_px(&self, [column, row]: [f64; 2]) -> [f64; 2] {
         [column - self.center_px[0], self.center_px[1] - row]
     }
 
@@ -246,5 +246,6 @@ impl View {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 #[path = "projection_tests.rs"]
 mod tests;

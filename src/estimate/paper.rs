@@ -173,5 +173,6 @@ fn centroid(image: &GreyImage, sum: f64, noise_grey: f64) -> Value<[f64; 2]> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 #[path = "paper_tests.rs"]
 mod tests;

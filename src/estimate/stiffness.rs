@@ -122,6 +122,7 @@ fn ratio(pressure: &Value, deformation: &Value) -> Value {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     fn disc(radius: f64, grey: f64) -> GreyImage {
         let n = 200;
@@ -152,7 +153,10 @@ mod tests {
             panic!("{got:?}")
         };
         // M = 50 pi 60^2 = 565487, F = 5.65487 N, P = 6.28319 kPa, T = 0.5. Counting pixels: T good to 0.003.
-        assert!((value / (6.283_19 / 0.5) - 1.0).abs() < 0.01, "{value}");
+        assert!(
+            (value / (1e3 * 50.0 * 3600.0 * PI * 1e-5 / 900.0 / 0.5) - 1.0).abs() < 0.01,
+            "{value}"
+        );
         assert!(
             low < 12.566 && 12.566 < high && high / low < 1.1,
             "{low} {high}"

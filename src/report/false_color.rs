@@ -14,13 +14,14 @@ pub enum ColorScale {
     Auto,
     /// Linear from 0 (or the least value, where negative) to the maximum.
     Linear,
-    /// Logarithmic over four decades below the maximum; what is dimmer has the darkest colour.
+    /// Logarithmic from the least value above 0, at most four decades below the maximum; what is dimmer has the darkest
+    /// colour.
     Log,
 }
 
 /// Decades of the logarithmic scale: about what an eye separates in 256 colours.
 const LOG_DECADES: f64 = 4.0;
-/// Largest bitmap: what a screen shows of the picture.
+/// Longest side of the bitmap: what a screen shows of the picture.
 const BITMAP_PX: usize = 900;
 
 /// The rule from values to the share of the colour map, 0 to 1.
@@ -44,8 +45,11 @@ impl Mapping {
             ColorScale::Log => true,
         };
         if wants_log && high > 0.0 {
+            let dimmest = sorted.iter().copied().find(|v| *v > 0.0).unwrap_or(high);
+            // A decade at least: a uniform image is no gradient.
+            let low = dimmest.clamp(high * 10f64.powf(-LOG_DECADES), 0.1 * high);
             Self {
-                low: high * 10f64.powf(-LOG_DECADES),
+                low,
                 high,
                 log: true,
             }
@@ -90,15 +94,16 @@ pub fn false_color(
     raster.check()?;
     let (least, most) = raster.range();
     let dark = least == 0.0 && most == 0.0;
+    let shrink = raster.width.max(raster.height).div_ceil(BITMAP_PX);
     let blocks = raster.blocks(
-        BITMAP_PX,
-        BITMAP_PX * raster.height.div_ceil(raster.width).max(1),
+        raster.width.div_ceil(shrink),
+        raster.height.div_ceil(shrink),
     );
     let mapping = Mapping::choose(&blocks, scale);
 
     let aspect = raster.height as f64 / raster.width as f64;
-    let image_width = 600f64.min(560.0 / aspect).max(40.0);
-    let image_height = (image_width * aspect).max(8.0);
+    let image_width = 600f64.min(560.0 / aspect).max(4.0);
+    let image_height = (image_width * aspect).max(4.0);
     let [x, y] = [24.0, 72.0];
     let bar_height = image_height.max(140.0);
     let (width, height) = ((image_width + 170.0).max(420.0), y + bar_height + 56.0);
@@ -124,13 +129,10 @@ pub fn false_color(
             r##"fill="#f0f0f0" font-size="15""##,
             "dark: maximum 0",
         );
+    } else {
+        let bar = [x + image_width + 18.0, y, 18.0, bar_height];
+        color_bar(&mut svg, bar, raster, &mapping)?;
     }
-    color_bar(
-        &mut svg,
-        [x + image_width + 18.0, y, 18.0, bar_height],
-        raster,
-        &mapping,
-    )?;
     scale_bar(&mut svg, [x, y + image_height + 26.0], image_width, raster);
     Ok(svg.finish())
 }
@@ -161,7 +163,7 @@ fn color_bar(
         .flat_map(|i| color(i as f64 / (steps - 1) as f64))
         .collect();
     let (marks, exponent) = if mapping.log {
-        (ticks::decades(mapping.low, mapping.high), 0)
+        (ticks::logarithmic(mapping.low, mapping.high), 0)
     } else {
         let ticks = ticks::linear(mapping.low, mapping.high, (h / 60.0) as usize);
         (ticks.marks, ticks.exponent)
@@ -188,18 +190,15 @@ fn color_bar(
 fn scale_bar(svg: &mut Svg, [x, y]: [f64; 2], image_width: f64, raster: &Raster) {
     let (pixel, unit) = raster.pixel_length();
     let across = pixel * raster.width as f64;
-    // About a fifth of the image's width.
     let length = ticks::round_length(0.25 * across);
     let drawn = length / across * image_width;
-    for (from, to) in [
-        ([x, y], [x + drawn, y]),
-        ([x, y - 5.0], [x, y + 5.0]),
-        ([x + drawn, y - 5.0], [x + drawn, y + 5.0]),
-    ] {
-        svg.line(from, to, r#"class="tt-line" stroke-width="1.6""#);
-    }
+    let unit = if length == 1.0 {
+        unit.trim_end_matches('s')
+    } else {
+        unit
+    };
     let label = format!("{} {unit}", ticks::short(length));
-    svg.text([x + drawn + 10.0, y + 4.5], Anchor::Start, "tt-ink", &label);
+    svg.scale_bar([x, y], drawn, &label);
     if raster.mm_per_pixel.is_some() {
         let note = format!(
             "touched face, on the axis: {} mm per pixel",

@@ -109,11 +109,11 @@ main{max-width:58rem;margin:0 auto;padding:1.5rem 1rem 3rem}\
 h1{font-size:1.75rem;line-height:1.2;margin:.5rem 0 .5rem;text-wrap:balance}\
 h2{font-size:1.25rem;margin:2.5rem 0 .75rem;padding-bottom:.3rem;border-bottom:1px solid var(--hair)}\
 .summary{font-size:1.1rem;color:var(--muted);margin:0 0 1.25rem;max-width:46rem}\
-dl{display:grid;grid-template-columns:repeat(auto-fill,minmax(11rem,1fr));gap:.6rem;margin:0}\
+dl{display:grid;grid-template-columns:repeat(auto-fill,minmax(9rem,1fr));gap:.6rem;margin:0}\
 dl>div{background:var(--card);border:1px solid var(--hair);border-radius:8px;padding:.55rem .8rem;min-width:0}\
 dt{font-size:.78rem;color:var(--muted)}dd{margin:0;overflow-wrap:anywhere}\
 dl.wide{grid-template-columns:1fr;gap:0;background:var(--card);border:1px solid var(--hair);border-radius:8px}\
-dl.wide>div{display:grid;grid-template-columns:minmax(6rem,11rem) 1fr;gap:1rem;border:0;border-radius:0;background:none}\
+dl.wide>div{display:grid;grid-template-columns:minmax(5.5rem,22%) 1fr;gap:1rem;border:0;border-radius:0;background:none}\
 dl.wide>div+div{border-top:1px solid var(--hair)}dl.wide dt{font-size:.9rem}dl.wide dd{font-size:.9rem}\
 figure{margin:1rem 0;background:var(--card);border:1px solid var(--hair);border-radius:8px;padding:.5rem}\
 figure img{display:block;width:auto;max-width:100%;height:auto;margin:0 auto}\
@@ -123,9 +123,10 @@ table{border-collapse:collapse;width:100%;font-size:.93rem}\
 caption{text-align:left;color:var(--muted);font-size:.9rem;padding:.6rem .8rem .2rem}\
 th,td{text-align:left;padding:.45rem .8rem;border-top:1px solid var(--hair);vertical-align:baseline}\
 thead th{border-top:0;font-weight:600;white-space:nowrap}tbody th{font-weight:400}\
-td.number{text-align:right;white-space:nowrap}th.number{text-align:right}\
+td.whole{white-space:nowrap}td.number{text-align:right;white-space:nowrap}th.number{text-align:right}\
 .undefined{color:var(--muted);font-style:italic}\
 .bar{width:35%;min-width:5rem}.bar i{display:block;height:.6rem;border-radius:3px;background:var(--accent);min-width:1px}\
+@media (max-width:40rem){figure{padding:.15rem}th,td{padding:.4rem .55rem}table{font-size:.86rem}thead th{white-space:normal}td.whole{white-space:normal}.bar{width:25%;min-width:3rem}}\
 .warning{background:var(--warn);color:var(--warn-ink);border-radius:8px;padding:.6rem .9rem;margin:1rem 0}";
 
 impl Report {
@@ -226,18 +227,18 @@ fn value_table(values: &[(String, String, Value)]) -> Markup {
     html! {
         div.scroll {
             table {
-                thead { tr { th scope="col" { "Quantity" } th.number scope="col" { "Value" } th.number scope="col" { "95 % interval" } th scope="col" { "Unit" } } }
+                thead { tr { th scope="col" { "Quantity" } th scope="col" { "Value" } th scope="col" { "95 % interval" } } }
                 tbody {
                     @for (name, unit, value) in values {
                         tr {
                             th scope="row" { (name) }
                             @match value {
                                 Value::Known { value, low, high } => {
-                                    td.number { (ticks::short(*value)) }
-                                    td.number { (ticks::short(*low)) " to " (ticks::short(*high)) }
-                                    td { (unit) }
+                                    @let (value, range) = ticks::interval(*value, *low, *high);
+                                    td.whole { (value) " " (unit) }
+                                    td.whole { (range) }
                                 }
-                                Value::Undefined { reason } => { td.undefined colspan="3" { "undefined: " (reason) } }
+                                Value::Undefined { reason } => { td.undefined colspan="2" { "undefined: " (reason) } }
                             }
                         }
                     }
@@ -280,5 +281,6 @@ fn ledger_table(ledger: &Ledger) -> Markup {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 #[path = "html_tests.rs"]
 mod tests;

@@ -65,7 +65,7 @@ impl Raster<'_> {
         }
         if let Some(&value) = self.values.iter().find(|v| !v.is_finite()) {
             return Err(PictureError::Number {
-                what: self.kind(),
+                what: "a value of the picture",
                 value,
                 allowed: "finite",
             });
@@ -78,10 +78,6 @@ impl Raster<'_> {
             }),
             _ => Ok(()),
         }
-    }
-
-    fn kind(&self) -> &'static str {
-        "a value of the picture"
     }
 
     /// Least and greatest value; 0 and 0 of an empty raster.
@@ -116,33 +112,47 @@ impl Raster<'_> {
         }
     }
 
-    /// Means over blocks, at most `most_columns` by `most_rows` of them, all pixels used and every block of equal size
-    /// to within a pixel.
+    /// Means over at most `most_columns` by `most_rows` blocks of equal size; pixels on a border count in shares, so that
+    /// neither noise nor slopes show the pattern of the blocks.
     pub(super) fn blocks(&self, most_columns: usize, most_rows: usize) -> Blocks {
         let (width, height) = (
             self.width.min(most_columns).max(1),
             self.height.min(most_rows).max(1),
         );
-        let mut sums = vec![(0.0, 0u32); width * height];
-        for (row, values) in self.values.chunks_exact(self.width).enumerate() {
-            let start = row * height / self.height * width;
-            for (column, value) in values.iter().enumerate() {
-                if let Some((sum, count)) = sums.get_mut(start + column * width / self.width) {
-                    *sum += value;
-                    *count += 1;
-                }
+        let mut narrow = Vec::with_capacity(width * self.height);
+        for row in self.values.chunks_exact(self.width) {
+            narrow.extend((0..width).map(|block| mean_over(row, 1, block, width)));
+        }
+        let mut values = vec![0.0; width * height];
+        for column in 0..width {
+            let below = narrow.get(column..).unwrap_or_default();
+            for (block, value) in values.iter_mut().skip(column).step_by(width).enumerate() {
+                *value = mean_over(below, width, block, height);
             }
         }
-        let values = sums
-            .into_iter()
-            .map(|(sum, count)| sum / f64::from(count.max(1)))
-            .collect();
         Blocks {
             width,
             height,
             values,
         }
     }
+}
+
+/// Mean over one of `blocks` equal stretches of every `stride`-th value.
+fn mean_over(values: &[f64], stride: usize, block: usize, blocks: usize) -> f64 {
+    let size = values.len().div_ceil(stride) as f64 / blocks as f64;
+    let (from, to) = (block as f64 * size, (block + 1) as f64 * size);
+    let first = from.floor() as usize;
+    let taken = values
+        .iter()
+        .step_by(stride)
+        .enumerate()
+        .skip(first)
+        .take_while(|(i, _)| (*i as f64) < to);
+    taken
+        .map(|(i, v)| v * (to.min(i as f64 + 1.0) - from.max(i as f64)).max(0.0))
+        .sum::<f64>()
+        / size
 }
 
 #[cfg(test)]
@@ -180,9 +190,12 @@ pub(super) mod tests {
             ..raster(&values)
         };
         assert_eq!(r.blocks(3, 2).values, values);
-        assert_eq!(r.blocks(1, 1).values, [46.0 / 6.0]);
+        assert!((r.blocks(1, 1).values[0] - 46.0 / 6.0).abs() < 1e-12);
         let narrow = r.blocks(2, 2);
-        assert_eq!(narrow.values, [2.0, 10.0, 6.0, 20.0]);
+        // The middle pixel counts half on either side: (1 + 3/2) / 1.5 and (3/2 + 10) / 1.5, below (5 + 7/2) / 1.5.
+        for (got, expected) in narrow.values.iter().zip([2.5, 11.5, 8.5, 23.5]) {
+            assert!((got - expected / 1.5).abs() < 1e-12, "{:?}", narrow.values);
+        }
     }
 
     #[test]

@@ -6,7 +6,6 @@ use base64::engine::general_purpose::STANDARD;
 use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use maud::Render;
-use std::fmt::Write;
 
 /// Colours by role, so that a picture follows a reader's dark page. `tt` keeps the names from meeting others' where a
 /// picture is inlined. Readers that know no media queries see the light one.
@@ -32,7 +31,7 @@ pub(super) struct Svg {
 }
 
 /// A coordinate to a hundredth of a pixel, without trailing zeros.
-pub(super) fn coordinate(x: f64) -> String {
+fn coordinate(x: f64) -> String {
     let text = format!("{x:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" {
@@ -80,13 +79,16 @@ impl Svg {
     /// A polyline, or a polygon where closed, with SVG attributes.
     pub fn path(&mut self, points: &[[f64; 2]], closed: bool, attributes: &str) {
         let mut d = String::new();
-        path_data(&mut d, points, closed);
-        self.raw_path(&d, attributes);
-    }
-
-    /// A path given as SVG path data.
-    pub fn raw_path(&mut self, data: &str, attributes: &str) {
-        self.push(&format!(r#"<path d="{data}" {attributes}/>"#));
+        for (i, point) in points.iter().enumerate() {
+            // A tenth of a pixel: a relief has thousands of points.
+            let [x, y] = point.map(|v| coordinate((v * 10.0).round() / 10.0));
+            let command = if i == 0 { 'M' } else { 'L' };
+            d.push_str(&format!("{command}{x} {y}"));
+        }
+        if closed {
+            d.push('Z');
+        }
+        self.push(&format!(r#"<path d="{d}" {attributes}/>"#));
     }
 
     /// Opens a group with SVG attributes; close it with [`Svg::end_group`].
@@ -129,7 +131,21 @@ impl Svg {
         ));
     }
 
-    /// An RGB bitmap stretched over a rectangle x, y, width, height.
+    /// A bar of the given length with end marks and a label to its right.
+    pub fn scale_bar(&mut self, [x, y]: [f64; 2], length: f64, label: &str) {
+        let bar = [
+            [x, y - 5.0],
+            [x, y + 5.0],
+            [x, y],
+            [x + length, y],
+            [x + length, y - 5.0],
+            [x + length, y + 5.0],
+        ];
+        self.path(&bar, false, r#"class="tt-line" stroke-width="1.6""#);
+        self.text([x + length + 10.0, y + 4.5], Anchor::Start, "tt-ink", label);
+    }
+
+    /// An RGB bitmap stretched over a rectangle x, y, width, height; large pixels keep their edges.
     pub fn bitmap(
         &mut self,
         [x, y, w, h]: [f64; 4],
@@ -147,9 +163,14 @@ impl Svg {
             )
             .map_err(|e| PictureError::Bitmap(e.to_string()))?;
         let data = STANDARD.encode(png);
+        let rendering = if w >= 3.0 * columns as f64 {
+            r#" style="image-rendering:pixelated""#
+        } else {
+            ""
+        };
         let [x, y, w, h] = [x, y, w, h].map(coordinate);
         self.push(&format!(
-            r#"<image x="{x}" y="{y}" width="{w}" height="{h}" preserveAspectRatio="none" href="data:image/png;base64,{data}"/>"#
+            r#"<image x="{x}" y="{y}" width="{w}" height="{h}" preserveAspectRatio="none"{rendering} href="data:image/png;base64,{data}"/>"#
         ));
         Ok(())
     }
@@ -158,19 +179,6 @@ impl Svg {
     pub fn finish(mut self) -> String {
         self.push("</svg>");
         self.body
-    }
-}
-
-/// Appends a polyline or polygon to SVG path data.
-pub(super) fn path_data(data: &mut String, points: &[[f64; 2]], closed: bool) {
-    for (i, point) in points.iter().enumerate() {
-        let [x, y] = point.map(coordinate);
-        let command = if i == 0 { 'M' } else { 'L' };
-        // Writing to a String cannot fail.
-        let _ = write!(data, "{command}{x} {y}");
-    }
-    if closed {
-        data.push('Z');
     }
 }
 

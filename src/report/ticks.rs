@@ -52,12 +52,22 @@ pub(super) fn linear(low: f64, high: f64, count: usize) -> Ticks {
     }
 }
 
-/// Powers of ten between `low` and `high` (both above 0).
-pub(super) fn decades(low: f64, high: f64) -> Vec<(f64, String)> {
-    let first = (low.log10() - 1e-9).ceil() as i32;
-    let last = (high.log10() + 1e-9).floor() as i32;
-    (first..=last)
-        .map(|e| (10f64.powi(e), power_of_ten(e)))
+/// Powers of ten between `low` and `high` (both above 0), with 2 and 5 times them where they are few.
+pub(super) fn logarithmic(low: f64, high: f64) -> Vec<(f64, String)> {
+    let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
+    let digits: &[i32] = if high < 200.0 * low { &[1, 2, 5] } else { &[1] };
+    let mark = |exponent: i32, digit: i32| {
+        let power = power_of_ten(exponent);
+        let label = if digits.len() == 1 {
+            power
+        } else {
+            format!("{digit} × {power}")
+        };
+        (f64::from(digit) * 10f64.powi(exponent), label)
+    };
+    let marks = (first..=last).flat_map(|e| digits.iter().map(move |&d| mark(e, d)));
+    marks
+        .filter(|(v, _)| *v >= low * (1.0 - 1e-9) && *v <= high * (1.0 + 1e-9))
         .collect()
 }
 
@@ -100,16 +110,20 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Three significant digits, with a power of ten where that is shorter.
+/// Three significant digits, with a power of ten below a thousandth and from 10⁵ on.
 pub(super) fn short(value: f64) -> String {
-    let exponent = exponent_of(value.abs());
+    let exponent = if (1e-3..1.0).contains(&value.abs()) {
+        0
+    } else {
+        exponent_of(value.abs())
+    };
     let scaled = value / 10f64.powi(exponent);
     let whole_digits = if scaled == 0.0 {
         1
     } else {
         scaled.abs().log10().floor() as i32 + 1
     };
-    let text = number(scaled, (3 - whole_digits).clamp(0, 3) as usize);
+    let text = number(scaled, (3 - whole_digits).clamp(0, 6) as usize);
     let text = if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {
@@ -120,6 +134,36 @@ pub(super) fn short(value: f64) -> String {
     } else {
         format!("{text} × {}", power_of_ten(exponent))
     }
+}
+
+/// A value and its interval with the digits that the interval supports: "1239", "1097 to 1342".
+pub(super) fn interval(value: f64, low: f64, high: f64) -> (String, String) {
+    let exponent = match value.abs().max(low.abs()).max(high.abs()) {
+        most if (1e-3..1.0).contains(&most) => 0,
+        most => exponent_of(most),
+    };
+    let scale = 10f64.powi(exponent);
+    // Two digits of the half width; three of the value where there is no width.
+    let resolved = if high > low {
+        0.5 * (high - low) / scale
+    } else {
+        0.1 * value.abs() / scale
+    };
+    let decimals = if resolved > 0.0 {
+        (1 - resolved.log10().floor() as i32).clamp(0, 9)
+    } else {
+        0
+    } as usize;
+    let power = if exponent == 0 {
+        String::new()
+    } else {
+        format!(" × {}", power_of_ten(exponent))
+    };
+    let text = |v: f64| number(v / scale, decimals);
+    (
+        format!("{}{power}", text(value)),
+        format!("{} to {}{power}", text(low), text(high)),
+    )
 }
 
 #[cfg(test)]
@@ -165,10 +209,35 @@ mod tests {
     }
 
     #[test]
-    fn decades_are_powers_of_ten_inside_the_range() {
-        let texts: Vec<_> = decades(2e-4, 1.0).into_iter().map(|(_, t)| t).collect();
-        assert_eq!(texts, ["10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
+    fn logarithmic_ticks_are_powers_of_ten_with_more_between_where_they_are_few() {
+        let texts = |low, high| {
+            logarithmic(low, high)
+                .into_iter()
+                .map(|(_, t)| t)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(texts(2e-4, 1.0), ["10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
+        assert_eq!(texts(0.03, 0.31), ["5 × 10⁻²", "1 × 10⁻¹", "2 × 10⁻¹"]);
         assert_eq!(power_of_ten(-14), "10⁻¹⁴");
+    }
+
+    #[test]
+    fn intervals_show_the_digits_they_support() {
+        let both = |v, l, h| {
+            let (value, range) = interval(v, l, h);
+            format!("{value} ({range})")
+        };
+        assert_eq!(both(1238.7, 1097.2, 1341.8), "1239 (1097 to 1342)");
+        assert_eq!(
+            both(701.7617, 701.753, 701.7704),
+            "701.7617 (701.7530 to 701.7704)"
+        );
+        assert_eq!(both(7.93, 7.5, 8.4), "7.93 (7.50 to 8.40)");
+        assert_eq!(
+            both(32_312_820.0, 32_312_124.0, 32_313_516.0),
+            "32.31282 × 10⁶ (32.31212 to 32.31352 × 10⁶)"
+        );
+        assert_eq!(both(0.0, 0.0, 0.0), "0 (0 to 0)");
     }
 
     #[test]
@@ -191,6 +260,7 @@ mod tests {
         assert_eq!(short(255.0), "255");
         assert_eq!(short(0.4237), "0.424");
         assert_eq!(short(-1.5), "−1.5");
-        assert_eq!(short(0.001_234), "1.23 × 10⁻³");
+        assert_eq!(short(0.021_507), "0.0215");
+        assert_eq!(short(0.000_123_4), "123 × 10⁻⁶");
     }
 }

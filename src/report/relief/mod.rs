@@ -1,11 +1,12 @@
 //! A 3-D relief of an image, as in figure 6c of the TSIS paper: height and colour show the value.
 //!
-//! Orthographic, painted from the back; the colour map is that of [`super::false_color`], shaded by the angle to a
+//! Orthographic, painted from the back; the colour map is that of the false-colour picture, shaded by the angle to a
 //! light from the upper left.
 
-use super::false_color::color;
+mod surface;
+
 use super::raster::{Blocks, PictureError, Raster};
-use super::svg::{Anchor, Svg, path_data};
+use super::svg::{Anchor, Svg, text_width};
 use super::ticks::{self, Ticks};
 
 /// Most cells along and across: fine enough for the eye, small enough for a report.
@@ -36,7 +37,7 @@ pub fn relief(title: &str, raster: &Raster) -> Result<String, PictureError> {
         &subtitle(raster, &blocks, most),
     );
     walls(&mut svg, &stage, &heights);
-    surface(&mut svg, &stage, &blocks);
+    surface::draw(&mut svg, &stage, &blocks);
     axes(&mut svg, &stage, raster, &heights);
     Ok(svg.finish())
 }
@@ -103,7 +104,7 @@ impl Stage {
         // Room for the ticks and names around the box; a square or tall raster is drawn smaller.
         stage.scale = (560.0 / (right - left)).min(470.0 / (bottom - top));
         let (w, h) = ((right - left) * stage.scale, (bottom - top) * stage.scale);
-        stage.size = [(w + 180.0).max(460.0), h + 160.0];
+        stage.size = [(w + 180.0).max(460.0), h + 84.0 + 52.0];
         stage.center = [
             0.5 * stage.size[0] - 0.5 * (left + right) * stage.scale + 24.0,
             84.0 - top * stage.scale,
@@ -178,57 +179,6 @@ fn walls(svg: &mut Svg, stage: &Stage, heights: &Ticks) {
     }
 }
 
-/// The cells from the back to the front; neighbours of one colour share a path.
-fn surface(svg: &mut Svg, stage: &Stage, blocks: &Blocks) {
-    let (columns, rows) = (blocks.width, blocks.height);
-    let x = |c: usize| (2.0 * c as f64 + 1.0) / columns as f64 - 1.0;
-    let y = |r: usize| 1.0 - (2.0 * r as f64 + 1.0) / rows as f64;
-    let z = |c: usize, r: usize| {
-        stage.height(blocks.values.get(r * columns + c).copied().unwrap_or(0.0))
-    };
-    svg.group(r#"stroke-width="0.7" stroke-linejoin="round""#);
-    let mut run: Option<([u8; 3], String)> = None;
-    for r in 0..rows.saturating_sub(1) {
-        for c in 0..columns.saturating_sub(1) {
-            let corners = [(c, r), (c + 1, r), (c + 1, r + 1), (c, r + 1)];
-            let [a, b, d, e] = corners.map(|(c, r)| z(c, r));
-            let slope_x = 0.5 * ((b - a) + (d - e)) * 2.0 * BOX_HEIGHT
-                / (2.0 / columns as f64 * stage.half[0]);
-            let slope_y =
-                0.5 * ((a - e) + (b - d)) * 2.0 * BOX_HEIGHT / (2.0 / rows as f64 * stage.half[1]);
-            let fill = shaded(color(0.25 * (a + b + d + e)), slope_x, slope_y);
-            let quad = corners.map(|(c, r)| stage.project(x(c), y(r), z(c, r)));
-            match &mut run {
-                Some((current, data)) if *current == fill => path_data(data, &quad, true),
-                _ => {
-                    flush(svg, run.take());
-                    let mut data = String::new();
-                    path_data(&mut data, &quad, true);
-                    run = Some((fill, data));
-                }
-            }
-        }
-    }
-    flush(svg, run);
-    svg.end_group();
-}
-
-fn flush(svg: &mut Svg, run: Option<([u8; 3], String)>) {
-    if let Some(([r, g, b], data)) = run {
-        let paint = format!("#{r:02x}{g:02x}{b:02x}");
-        svg.raw_path(&data, &format!(r#"fill="{paint}" stroke="{paint}""#));
-    }
-}
-
-/// Lambert shading by a light from the upper left with a generous ambient part: the colour must stay readable.
-fn shaded(rgb: [u8; 3], slope_x: f64, slope_y: f64) -> [u8; 3] {
-    const LIGHT: [f64; 3] = [-0.48, -0.32, 0.82];
-    let length = (slope_x * slope_x + slope_y * slope_y + 1.0).sqrt();
-    let cosine = (-slope_x * LIGHT[0] - slope_y * LIGHT[1] + LIGHT[2]) / length;
-    let factor = 0.55 + 0.55 * cosine.max(0.0);
-    rgb.map(|v| (f64::from(v) * factor).min(255.0) as u8)
-}
-
 fn axes(svg: &mut Svg, stage: &Stage, raster: &Raster, heights: &Ticks) {
     let at = |x, y, z| stage.project(x, y, z);
     let (_, unit) = raster.pixel_length();
@@ -259,6 +209,10 @@ fn axes(svg: &mut Svg, stage: &Stage, raster: &Raster, heights: &Ticks) {
         };
         for (value, label) in &scale.marks {
             let t = value / length;
+            // The left corner belongs to the vertical axis.
+            if axis == 0 && t < -0.95 {
+                continue;
+            }
             let foot = if axis == 0 {
                 at(t, -1., 0.)
             } else {
@@ -285,7 +239,7 @@ fn axes(svg: &mut Svg, stage: &Stage, raster: &Raster, heights: &Ticks) {
     let widest = heights
         .marks
         .iter()
-        .map(|(_, l)| super::svg::text_width(l))
+        .map(|(_, l)| text_width(l))
         .fold(0.0, f64::max);
     svg.text_upward(
         [x - 22.0 - widest, y],
@@ -333,8 +287,8 @@ mod tests {
         let svg = relief("Relief", &grey).unwrap();
         assert_well_formed(&svg);
         assert!(svg.contains("x (mm)") && svg.contains("y (mm)") && svg.contains("grey level"));
-        // 95 x 71 quads of about 60 bytes and their paint.
-        assert!(svg.len() < 800_000, "{}", svg.len());
+        // 95 x 71 quads of some 40 bytes and as many for their paint.
+        assert!(svg.len() < 600_000, "{}", svg.len());
     }
 
     #[test]
@@ -357,6 +311,11 @@ mod tests {
         let svg = relief("Relief", &raster(&dark)).unwrap();
         assert_well_formed(&svg);
         assert!(svg.contains("dark: maximum 0"));
+        assert!(
+            svg.len() < 20_000,
+            "a flat surface is a few strips: {}",
+            svg.len()
+        );
         let one = [2.0];
         assert_well_formed(
             &relief(

@@ -1,7 +1,8 @@
 use super::super::svg::assert_well_formed;
+use super::labels::spread;
 use super::*;
 
-pub fn paper_side() -> SideView {
+fn paper_side() -> SideView {
     let layer = |name: &str, n, thickness_mm| SideLayer {
         name: name.into(),
         n,
@@ -88,7 +89,7 @@ fn side_view_labels_layers_and_counts_rays_by_fate() {
         "n 1.39 · 5 mm",
         "guided (1)",
         "scattered by contact (1)",
-        "tissue",
+        "tissue in contact",
         "5 mm, both axes",
     ] {
         assert!(svg.contains(&format!(">{text}<")), "{text}");
