@@ -241,8 +241,7 @@ def render(loaded, spp, seed):
 def read_exr(path):
     """The channels of an EXR file by name."""
     bitmap = mi.Bitmap(str(path))
-    pixels = np.array(bitmap.convert(component_format=mi.Struct.Type.Float32), copy=False)
-    names = [field.name for field in bitmap.struct_()]
+    pixels, names = np.array(bitmap), [field.name for field in bitmap.struct_()]
     return {name: pixels[..., i].astype(np.float64) for i, name in enumerate(names)}
 
 
