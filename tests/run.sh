@@ -44,6 +44,8 @@ has_adapter() {
 
 install_lavapipe() {
     local packages=(mesa-vulkan-drivers libvulkan1) as_root=()
+    [ -z "${VK_DRIVER_FILES:-${VK_ICD_FILENAMES:-}}" ] ||
+        fail "VK_DRIVER_FILES or VK_ICD_FILENAMES is set and gives no usable driver: correct it or unset it"
     command -v apt-get >/dev/null ||
         fail "no Vulkan adapter found and no apt-get here: install Mesa's lavapipe and the Vulkan loader, then run this again"
     if [ "$(id -u)" -ne 0 ]; then
@@ -61,6 +63,7 @@ install_lavapipe() {
         fail "could not install ${packages[*]}: install Mesa's lavapipe and the Vulkan loader, then run this again"
 }
 
+export PATH="$PATH:${CARGO_HOME:-${HOME:-}/.cargo}/bin"
 command -v cargo >/dev/null || fail "cargo not found: install the Rust toolchain (rustup, stable) and run this again"
 
 case "$(uname -s)" in
