@@ -26,16 +26,14 @@ import mitsuba_scene as peer  # noqa: E402 (needs the variant)
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-# Squares a side of the mesh that stands for a smooth dent: the facets' normals err by 0.06 % (rms) at 1024.
-SMOOTH_CELLS = 1024
-MESH_CELLS = 256
+GRID_CELLS = 256
 
 
 class Case:
     """One comparison: the files both programs read, and the pixels over which the light is compared."""
 
-    def __init__(self, name, scene_file, scene, cells, same_surface):
-        self.name, self.scene_file, self.scene, self.cells = name, scene_file, scene, cells
+    def __init__(self, name, scene_file, scene, grid_cells, same_surface):
+        self.name, self.scene_file, self.scene, self.grid_cells = name, scene_file, scene, grid_cells
         # False where Mitsuba's facets only approximate the surface: the block test would find the facets.
         self.same_surface = same_surface
 
@@ -45,7 +43,7 @@ def cases(scenes, work):
     found = {}
     for name in ("flat-bonded", "contact-disc", "dent-cap"):
         path = scenes / f"{name}.toml"
-        found[name] = Case(name, path, peer.load(path), SMOOTH_CELLS, name != "dent-cap")
+        found[name] = Case(name, path, peer.load(path), None, name != "dent-cap")
     found["dent-cap-mesh"] = _mesh_case(found["dent-cap"].scene, work)
     return found
 
@@ -54,13 +52,13 @@ def _mesh_case(scene, work):
     """The dent as the same triangles for both programs; the interfaces below stay flat in both."""
     scene = {**scene, "touch": {**scene["touch"], "inner": "flat"}}
     stack = peer.Stack(scene)
-    vertices, faces = peer.dented_face(stack, stack.top_mm, peer.dent(scene), MESH_CELLS)
+    vertices, faces = peer.grid_face(stack, stack.top_mm, peer.dent(scene), GRID_CELLS)
     peer.write_obj(work / "dent.obj", vertices, faces)
     shape = {"kind": "mesh", "file": "dent.obj", "normals": "flat"}
     meshed = {**scene, "name": "dent-cap-mesh", "touch": {**scene["touch"], "shape": shape}}
     path = work / "dent-cap-mesh.toml"
     path.write_text("".join(f"{key} = {_toml(value)}\n" for key, value in meshed.items()))
-    return Case("dent-cap-mesh", path, scene, MESH_CELLS, True)
+    return Case("dent-cap-mesh", path, scene, GRID_CELLS, True)
 
 
 def _toml(value):
@@ -151,7 +149,7 @@ def lit(scene, image):
 
 def compare(case, arguments, work):
     """All figures of one case."""
-    loaded = peer.build(case.scene, arguments.spp, mesh_cells=case.cells)
+    loaded = peer.build(case.scene, arguments.spp, grid_cells=case.grid_cells)
     peer.render(loaded, 4, 1_000_000)  # compiles the kernel
     out = work / case.name
     theirs, ours = Rounds(), Rounds()
@@ -169,7 +167,7 @@ def compare(case, arguments, work):
     result = {
         "case": case.name,
         "scene": case.scene["name"],
-        "mesh_cells": case.cells if peer.dent(case.scene) else None,
+        "grid_cells": case.grid_cells,
         "integrator": ours.reports[0]["integrator"],
         "backend": ours.reports[0]["backend"],
         "adapter": ours.reports[0]["adapter"],

@@ -3,7 +3,7 @@
 
     peer-venv/bin/python reference.py ../../scenes/contact-disc.toml --spp 400 --runs 16 --out contact-disc
 
-`--cells` is the number of squares a side in the mesh of a dented face.
+`--cells` makes a dented face a grid of that many squares a side instead of a smooth mesh.
 """
 
 import argparse
@@ -21,13 +21,13 @@ parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.R
 parser.add_argument("scene")
 parser.add_argument("--spp", type=int, default=128)
 parser.add_argument("--runs", type=int, default=16)
-parser.add_argument("--cells", type=int, default=256)
+parser.add_argument("--cells", type=int)
 parser.add_argument("--seed", type=int, default=1)
 parser.add_argument("--out", required=True, help="folder for mean.exr and variance.exr")
 arguments = parser.parse_args()
 
 scene = peer.load(arguments.scene)
-loaded = peer.build(scene, arguments.spp, mesh_cells=arguments.cells)
+loaded = peer.build(scene, arguments.spp, grid_cells=arguments.cells)
 peer.render(loaded, 4, 1_000_000)  # compiles the kernel
 images, seconds = [], []
 for run in range(arguments.runs):
@@ -50,7 +50,7 @@ def figures(mask):
 
 
 report = {"scene": scene["name"], "mitsuba": mi.__version__, "spp": arguments.spp, "runs": arguments.runs,
-          "mesh_cells": arguments.cells, "seconds_per_run": float(np.median(seconds)),
+          "grid_cells": arguments.cells, "seconds_per_run": float(np.median(seconds)),
           "paths_per_second": mean.size * arguments.spp / float(np.median(seconds)),
           "image": figures(np.ones_like(mean, dtype=bool))}
 patch = peer.contact_pixels(scene)
