@@ -11,7 +11,7 @@ use tirtouch::image_io::{read_grey, read_grid, read_radiance};
 static SCRATCH: LazyLock<PathBuf> = LazyLock::new(|| {
     let memory = PathBuf::from("/dev/shm");
     let folder = if memory.is_dir() { memory } else { std::env::temp_dir() };
-    folder.join(format!("tirtouch-fuzz-{}", std::process::id()))
+    folder.join(format!("tirtouch-fuzz-image-{}", std::process::id()))
 });
 
 /// The readers choose the format by the extension; choose it as a user would name such a file.
