@@ -112,7 +112,7 @@ def smooth_face(stack, height_mm, cap, rings=512):
     """Vertices (mm) and triangles of a dented face in rings about its axis.
 
     Fine where the face is curved, one ring of long triangles where it is flat, with vertices on the rim: a grid smears
-    the rim over its cells and changes the image's mean by 2 % at 256 cells.
+    the rim over its cells and changes the image's mean by 1.5 % at 256 cells.
     """
     _, radius, center = cap
     corners = [math.atan2(y - center[1], x - center[0]) for x in (-stack.half_mm[0], stack.half_mm[0])
