@@ -21,7 +21,7 @@ fn field_at(i: u32, xy: vec2f) -> vec3f {
     let cell = clamp(floor(g), vec2f(0.0), last);
     let u = clamp(g - cell, vec2f(0.0), vec2f(1.0));
     let width = scene.field_size.x - 1u;
-    let at = faces[i].field + u32(cell.y) * width + u32(cell.x);
+    let at = face_field(i) + u32(cell.y) * width + u32(cell.x);
     let wx = spline(u.x);
     let dx = spline_slope(u.x);
     let wy = spline(u.y);
@@ -36,13 +36,13 @@ fn field_at(i: u32, xy: vec2f) -> vec3f {
 }
 
 fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
-    let zeta = o.z - faces[i].z;
+    let zeta = o.z - face_z(i);
     // Enter the slab that holds the surface.
-    let near = select(faces[i].high, faces[i].low, side > 0.0);
+    let near = select(face_high(i), face_low(i), side > 0.0);
     let outside = (near - zeta) * side > 0.0;
     var t = select(0.0, (near - zeta) / p.z, outside);
     if (outside && p.z * side <= 0.0) { return FAR; }
-    let k = max(faces[i].curvature * dot(p.xy, p.xy), 1e-12);
+    let k = max(face_curvature(i) * dot(p.xy, p.xy), 1e-12);
     for (var n = 0u; n < 256u; n += 1u) {
         if (t >= t_max) { return FAR; }
         let h = field_at(i, o.xy + t * p.xy);
@@ -63,4 +63,4 @@ fn surface_normal(i: u32, o: vec3f) -> vec3f {
     return normalize(vec3f(-field_at(i, o.xy).yz, 1.0));
 }
 
-fn surface_height(i: u32, xy: vec2f) -> f32 { return faces[i].z + field_at(i, xy).x; }
+fn surface_height(i: u32, xy: vec2f) -> f32 { return face_z(i) + field_at(i, xy).x; }

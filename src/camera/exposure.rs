@@ -100,11 +100,7 @@ pub enum ExposureError {
 ///
 /// # Errors
 /// Where film and camera differ in size, a radiance is negative or not finite, or a setting is out of range.
-pub fn expected_electrons(
-    film: &Film,
-    camera: &Camera,
-    wavelength_nm: f64,
-) -> Result<Vec<f64>, ExposureError> {
+pub fn expected_electrons(film: &Film, camera: &Camera, wavelength_nm: f64) -> Result<Vec<f64>, ExposureError> {
     let [width, height] = camera.pixels;
     let same_pixels = [film.width, film.height] == camera.pixels;
     if !same_pixels || film.mean.len() as u64 != u64::from(width) * u64::from(height) {
@@ -120,21 +116,16 @@ pub fn expected_electrons(
     let focal_px = focal_px(camera)?;
     let sensor = &camera.sensor;
     let electrons_per_radiance = electrons_per_radiance(camera, wavelength_nm);
-    let background = electrons_per_radiance * sensor.ambient_w_per_m2_sr
-        + sensor.dark_current_e_per_s * sensor.exposure_ms * 1e-3;
+    let background =
+        electrons_per_radiance * sensor.ambient_w_per_m2_sr + sensor.dark_current_e_per_s * sensor.exposure_ms * 1e-3;
     let (half_width, half_height) = (0.5 * f64::from(width), 0.5 * f64::from(height));
     let corner2 = half_width.powi(2) + half_height.powi(2);
     let pixel = |(index, &radiance): (usize, &f32)| {
         let (column, row) = (index as u32 % width, index as u32 / width);
         if !(radiance >= 0.0 && radiance.is_finite()) {
-            return Err(ExposureError::Radiance {
-                column,
-                row,
-                value: radiance,
-            });
+            return Err(ExposureError::Radiance { column, row, value: radiance });
         }
-        let radius2 = (f64::from(column) + 0.5 - half_width).powi(2)
-            + (f64::from(row) + 0.5 - half_height).powi(2);
+        let radius2 = (f64::from(column) + 0.5 - half_width).powi(2) + (f64::from(row) + 0.5 - half_height).powi(2);
         let cos2 = 1.0 / (1.0 + radius2 / (focal_px * focal_px));
         let vignetting = 1.0 - sensor.vignetting_corner_loss * radius2 / corner2;
         Ok(f64::from(radiance) * cos2 * cos2 * vignetting * electrons_per_radiance + background)
@@ -156,12 +147,7 @@ fn electrons_per_radiance(camera: &Camera, wavelength_nm: f64) -> f64 {
 ///
 /// # Errors
 /// As [`expected_electrons`].
-pub fn expose(
-    film: &Film,
-    camera: &Camera,
-    wavelength_nm: f64,
-    seed: u32,
-) -> Result<Frame, ExposureError> {
+pub fn expose(film: &Film, camera: &Camera, wavelength_nm: f64, seed: u32) -> Result<Frame, ExposureError> {
     let electrons = expected_electrons(film, camera, wavelength_nm)?;
     let pixel = |(index, &mean): (usize, &f64)| {
         let mut random = PixelRandom::new(seed, index as u32);
@@ -195,85 +181,21 @@ fn check_settings(camera: &Camera, wavelength_nm: f64) -> Result<(), ExposureErr
     let share = |v: f64| (0.0..=1.0).contains(&v);
     let well = sensor.full_well_e;
     let rules = [
-        (
-            "wavelength_nm",
-            wavelength_nm,
-            positive(wavelength_nm),
-            POSITIVE,
-        ),
-        (
-            "pixel_pitch_um",
-            camera.pixel_pitch_um,
-            positive(camera.pixel_pitch_um),
-            POSITIVE,
-        ),
-        (
-            "f_number",
-            sensor.f_number,
-            positive(sensor.f_number),
-            POSITIVE,
-        ),
-        (
-            "exposure_ms",
-            sensor.exposure_ms,
-            not_negative(sensor.exposure_ms),
-            NOT_NEGATIVE,
-        ),
-        (
-            "quantum_efficiency",
-            sensor.quantum_efficiency,
-            share(sensor.quantum_efficiency),
-            SHARE,
-        ),
-        (
-            "full_well_e",
-            well,
-            (1.0..=LARGEST_FULL_WELL_E).contains(&well),
-            "between 1 and 1e9",
-        ),
-        (
-            "read_noise_e",
-            sensor.read_noise_e,
-            not_negative(sensor.read_noise_e),
-            NOT_NEGATIVE,
-        ),
-        (
-            "dark_current_e_per_s",
-            sensor.dark_current_e_per_s,
-            not_negative(sensor.dark_current_e_per_s),
-            NOT_NEGATIVE,
-        ),
-        (
-            "bit_depth",
-            f64::from(sensor.bit_depth),
-            (8..=16).contains(&sensor.bit_depth),
-            "between 8 and 16",
-        ),
-        (
-            "black_level",
-            sensor.black_level,
-            not_negative(sensor.black_level),
-            NOT_NEGATIVE,
-        ),
-        (
-            "vignetting_corner_loss",
-            sensor.vignetting_corner_loss,
-            share(sensor.vignetting_corner_loss),
-            SHARE,
-        ),
-        (
-            "ambient_w_per_m2_sr",
-            sensor.ambient_w_per_m2_sr,
-            not_negative(sensor.ambient_w_per_m2_sr),
-            NOT_NEGATIVE,
-        ),
+        ("wavelength_nm", wavelength_nm, positive(wavelength_nm), POSITIVE),
+        ("pixel_pitch_um", camera.pixel_pitch_um, positive(camera.pixel_pitch_um), POSITIVE),
+        ("f_number", sensor.f_number, positive(sensor.f_number), POSITIVE),
+        ("exposure_ms", sensor.exposure_ms, not_negative(sensor.exposure_ms), NOT_NEGATIVE),
+        ("quantum_efficiency", sensor.quantum_efficiency, share(sensor.quantum_efficiency), SHARE),
+        ("full_well_e", well, (1.0..=LARGEST_FULL_WELL_E).contains(&well), "between 1 and 1e9"),
+        ("read_noise_e", sensor.read_noise_e, not_negative(sensor.read_noise_e), NOT_NEGATIVE),
+        ("dark_current_e_per_s", sensor.dark_current_e_per_s, not_negative(sensor.dark_current_e_per_s), NOT_NEGATIVE),
+        ("bit_depth", f64::from(sensor.bit_depth), (8..=16).contains(&sensor.bit_depth), "between 8 and 16"),
+        ("black_level", sensor.black_level, not_negative(sensor.black_level), NOT_NEGATIVE),
+        ("vignetting_corner_loss", sensor.vignetting_corner_loss, share(sensor.vignetting_corner_loss), SHARE),
+        ("ambient_w_per_m2_sr", sensor.ambient_w_per_m2_sr, not_negative(sensor.ambient_w_per_m2_sr), NOT_NEGATIVE),
     ];
     match rules.into_iter().find(|(_, _, holds, _)| !holds) {
-        Some((key, value, _, allowed)) => Err(ExposureError::Setting {
-            key,
-            value,
-            allowed,
-        }),
+        Some((key, value, _, allowed)) => Err(ExposureError::Setting { key, value, allowed }),
         None => Ok(()),
     }
 }

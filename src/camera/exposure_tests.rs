@@ -14,21 +14,12 @@ fn camera(pixels: [u32; 2], sensor: Sensor) -> Camera {
 }
 
 fn quiet() -> Sensor {
-    Sensor {
-        read_noise_e: 0.0,
-        dark_current_e_per_s: 0.0,
-        ..Sensor::default()
-    }
+    Sensor { read_noise_e: 0.0, dark_current_e_per_s: 0.0, ..Sensor::default() }
 }
 
 fn uniform(pixels: [u32; 2], radiance: f32) -> Film {
     let mean = vec![radiance; (pixels[0] * pixels[1]) as usize];
-    Film {
-        width: pixels[0],
-        height: pixels[1],
-        mean,
-        ..Default::default()
-    }
+    Film { width: pixels[0], height: pixels[1], mean, ..Default::default() }
 }
 
 #[test]
@@ -36,21 +27,14 @@ fn electrons_on_the_axis_are_those_of_the_hand_calculation() {
     // L 1, f/2.8, 4.65 um, 10 ms, QE 0.47, 530 nm: 27162.93657973426 electrons by a separate Python script.
     let pixels = [3, 3];
     let e = expected_electrons(&uniform(pixels, 1.0), &camera(pixels, quiet()), 530.0).unwrap();
-    assert!(
-        (e[4] / 27_162.936_579_734_26 - 1.0).abs() < 1e-12,
-        "{}",
-        e[4]
-    );
+    assert!((e[4] / 27_162.936_579_734_26 - 1.0).abs() < 1e-12, "{}", e[4]);
 }
 
 #[test]
 fn corner_falls_by_the_fourth_power_of_the_cosine_and_by_vignetting() {
     let pixels = [301, 201];
     let at_corner = |loss: f64| {
-        let sensor = Sensor {
-            vignetting_corner_loss: loss,
-            ..quiet()
-        };
+        let sensor = Sensor { vignetting_corner_loss: loss, ..quiet() };
         let e = expected_electrons(&uniform(pixels, 1.0), &camera(pixels, sensor), 530.0).unwrap();
         e[0] / e[100 * 301 + 150]
     };
@@ -58,20 +42,15 @@ fn corner_falls_by_the_fourth_power_of_the_cosine_and_by_vignetting() {
     let focal = 150.5 / 30f64.to_radians().tan();
     let cosine = focal / (focal * focal + 150.0 * 150.0 + 100.0 * 100.0).sqrt();
     assert!((at_corner(0.0) / cosine.powi(4) - 1.0).abs() < 1e-12);
-    let kept =
-        1.0 - 0.3 * (150.0f64.powi(2) + 100.0f64.powi(2)) / (150.5f64.powi(2) + 100.5f64.powi(2));
+    let kept = 1.0 - 0.3 * (150.0f64.powi(2) + 100.0f64.powi(2)) / (150.5f64.powi(2) + 100.5f64.powi(2));
     assert!((at_corner(0.3) / at_corner(0.0) / kept - 1.0).abs() < 1e-12);
 }
 
 #[test]
 fn ambient_light_and_dark_current_reach_every_pixel_alike() {
     let pixels = [64, 48];
-    let sensor = Sensor {
-        ambient_w_per_m2_sr: 0.5,
-        dark_current_e_per_s: 300.0,
-        vignetting_corner_loss: 0.5,
-        ..quiet()
-    };
+    let sensor =
+        Sensor { ambient_w_per_m2_sr: 0.5, dark_current_e_per_s: 300.0, vignetting_corner_loss: 0.5, ..quiet() };
     let e = expected_electrons(&uniform(pixels, 0.0), &camera(pixels, sensor), 530.0).unwrap();
     // Half the electrons of radiance 1 (hand calculation above) and 300 e/s for 10 ms.
     let expected = 0.5 * 27_162.936_579_734_26 + 3.0;
@@ -82,18 +61,9 @@ fn ambient_light_and_dark_current_reach_every_pixel_alike() {
 fn grey_values_have_the_mean_and_variance_of_theory() {
     // A 16-bit sensor of 6553.5 electrons full well: 10 grey levels per electron, quantisation negligible (1/12).
     let pixels = [200, 150];
-    let sensor = Sensor {
-        full_well_e: 6553.5,
-        bit_depth: 16,
-        read_noise_e: 9.0,
-        dark_current_e_per_s: 0.0,
-        ..quiet()
-    };
+    let sensor = Sensor { full_well_e: 6553.5, bit_depth: 16, read_noise_e: 9.0, dark_current_e_per_s: 0.0, ..quiet() };
     // A view of 0.1 degree: no cos^4 law to speak of (1 - 1e-6).
-    let narrow = Camera {
-        view_angle_deg: 0.1,
-        ..camera(pixels, sensor)
-    };
+    let narrow = Camera { view_angle_deg: 0.1, ..camera(pixels, sensor) };
     let film = uniform(pixels, 0.05);
     let mean_e = expected_electrons(&film, &narrow, 530.0).unwrap()[0];
     let frame = expose(&film, &narrow, 530.0, 3).unwrap();
@@ -103,14 +73,8 @@ fn grey_values_have_the_mean_and_variance_of_theory() {
     let variance = electrons.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (n - 1.0);
     let theory = mean_e + 81.0 + 0.01 / 12.0;
     // Nearly normal: var(s^2) = 2 sigma^4/n; 4 standard errors.
-    assert!(
-        (mean - mean_e).abs() < 4.0 * (theory / n).sqrt(),
-        "{mean} {mean_e}"
-    );
-    assert!(
-        (variance / theory - 1.0).abs() < 4.0 * (2.0 / n).sqrt(),
-        "{variance} {theory}"
-    );
+    assert!((mean - mean_e).abs() < 4.0 * (theory / n).sqrt(), "{mean} {mean_e}");
+    assert!((variance / theory - 1.0).abs() < 4.0 * (2.0 / n).sqrt(), "{variance} {theory}");
 }
 
 #[test]
@@ -119,10 +83,7 @@ fn same_seed_gives_the_same_bits_on_any_number_of_threads_and_another_seed_other
     let film = uniform(pixels, 0.2);
     let camera = camera(pixels, Sensor::default());
     let on = |threads: usize, seed: u32| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| expose(&film, &camera, 530.0, seed).unwrap())
     };
     assert_eq!(on(1, 5), on(3, 5));
@@ -133,18 +94,8 @@ fn same_seed_gives_the_same_bits_on_any_number_of_threads_and_another_seed_other
 fn bright_light_saturates_at_the_top_grey_level_and_darkness_reads_the_black_level() {
     let pixels = [8, 8];
     let read = |radiance: f32, bit_depth: u32| {
-        let sensor = Sensor {
-            bit_depth,
-            black_level: 3.0,
-            ..quiet()
-        };
-        expose(
-            &uniform(pixels, radiance),
-            &camera(pixels, sensor),
-            530.0,
-            1,
-        )
-        .unwrap()
+        let sensor = Sensor { bit_depth, black_level: 3.0, ..quiet() };
+        expose(&uniform(pixels, radiance), &camera(pixels, sensor), 530.0, 1).unwrap()
     };
     for (bits, top) in [(8, 255), (12, 4095), (16, 65_535)] {
         let bright = read(1e20, bits);
@@ -156,14 +107,8 @@ fn bright_light_saturates_at_the_top_grey_level_and_darkness_reads_the_black_lev
 
 #[test]
 fn half_the_full_well_reads_half_of_the_top_grey_level() {
-    let sensor = Sensor {
-        full_well_e: 20_000.0,
-        bit_depth: 8,
-        ..quiet()
-    };
-    let sum: u32 = (0..400)
-        .map(|p| u32::from(read_out(10_000.0, &sensor, &mut PixelRandom::new(1, p))))
-        .sum();
+    let sensor = Sensor { full_well_e: 20_000.0, bit_depth: 8, ..quiet() };
+    let sum: u32 = (0..400).map(|p| u32::from(read_out(10_000.0, &sensor, &mut PixelRandom::new(1, p)))).sum();
     // 127.5 with shot noise of 1.275 grey levels and rounding 0.29 over 400 pixels: 0.065; 4 of these.
     assert!((f64::from(sum) / 400.0 - 127.5).abs() < 0.26, "{sum}");
 }
@@ -186,15 +131,5 @@ fn bad_input_is_a_typed_error_that_names_it() {
     let mut bad = film.clone();
     bad.mean[6] = f32::NAN;
     let error = expose(&bad, &camera(pixels, Sensor::default()), 530.0, 1).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            ExposureError::Radiance {
-                column: 2,
-                row: 1,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, ExposureError::Radiance { column: 2, row: 1, .. }), "{error}");
 }

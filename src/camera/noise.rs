@@ -24,11 +24,7 @@ impl PixelRandom {
     /// The stream of one pixel (row-major number) of one exposure.
     pub fn new(seed: u32, pixel: u32) -> Self {
         // Mixed once, the streams start at unrelated places of the counter's cycle of 2^64.
-        Self {
-            counter: mix(
-                (u64::from(seed) << 32 | u64::from(pixel)).wrapping_add(0x9e37_79b9_7f4a_7c15)
-            ),
-        }
+        Self { counter: mix((u64::from(seed) << 32 | u64::from(pixel)).wrapping_add(0x9e37_79b9_7f4a_7c15)) }
     }
 
     /// A uniform number strictly between 0 and 1.
@@ -46,11 +42,7 @@ impl PixelRandom {
 
     /// A Poisson number of the given mean (0 to about 1e10, where the logarithms still resolve one count).
     pub fn poisson(&mut self, mean: f64) -> f64 {
-        if mean < PTRS_FROM {
-            self.poisson_by_products(mean)
-        } else {
-            self.poisson_by_rejection(mean)
-        }
+        if mean < PTRS_FROM { self.poisson_by_products(mean) } else { self.poisson_by_rejection(mean) }
     }
 
     fn poisson_by_products(&mut self, mean: f64) -> f64 {
@@ -105,18 +97,13 @@ mod tests {
     use super::*;
 
     fn draws(n: u32, mut draw: impl FnMut(&mut PixelRandom) -> f64) -> Vec<f64> {
-        (0..n)
-            .map(|pixel| draw(&mut PixelRandom::new(7, pixel)))
-            .collect()
+        (0..n).map(|pixel| draw(&mut PixelRandom::new(7, pixel))).collect()
     }
 
     fn mean_and_variance(x: &[f64]) -> (f64, f64) {
         let n = x.len() as f64;
         let mean = x.iter().sum::<f64>() / n;
-        (
-            mean,
-            x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0),
-        )
+        (mean, x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0))
     }
 
     #[test]
@@ -132,10 +119,7 @@ mod tests {
             // but by a chance of 1e-3.
             let z_mean = (m - mean) / (mean / f64::from(n)).sqrt();
             let z_var = (v - mean) / ((mean + 2.0 * mean * mean) / f64::from(n)).sqrt();
-            assert!(
-                z_mean.abs() < 4.0 && z_var.abs() < 4.0,
-                "mean {mean}: z {z_mean} {z_var}"
-            );
+            assert!(z_mean.abs() < 4.0 && z_var.abs() < 4.0, "mean {mean}: z {z_mean} {z_var}");
         }
     }
 
@@ -155,10 +139,7 @@ mod tests {
                 }
             }
             // Chi-squared of `cells` degrees: mean cells, variance 2 cells; 4 standard deviations.
-            assert!(
-                chi2 < cells + 4.0 * (2.0f64 * cells).sqrt(),
-                "mean {mean}: {chi2} of {cells}"
-            );
+            assert!(chi2 < cells + 4.0 * (2.0f64 * cells).sqrt(), "mean {mean}: {chi2} of {cells}");
         }
     }
 
@@ -171,27 +152,17 @@ mod tests {
         // Standard errors: 1/sqrt(n), sqrt(2/n), sqrt(96/n).
         let n = f64::from(n);
         assert!(m.abs() < 4.0 / n.sqrt() && (v - 1.0).abs() < 4.0 * (2.0 / n).sqrt());
-        assert!(
-            (kurtosis - 3.0).abs() < 4.0 * (96.0 / n).sqrt(),
-            "{kurtosis}"
-        );
+        assert!((kurtosis - 3.0).abs() < 4.0 * (96.0 / n).sqrt(), "{kurtosis}");
     }
 
     #[test]
     fn neighbouring_pixels_and_seeds_are_uncorrelated() {
         let n = 40_000;
-        for other in [
-            |p: u32| PixelRandom::new(7, p + 1),
-            |p: u32| PixelRandom::new(8, p),
-        ] {
-            let product =
-                |p: u32| (PixelRandom::new(7, p).uniform() - 0.5) * (other(p).uniform() - 0.5);
+        for other in [|p: u32| PixelRandom::new(7, p + 1), |p: u32| PixelRandom::new(8, p)] {
+            let product = |p: u32| (PixelRandom::new(7, p).uniform() - 0.5) * (other(p).uniform() - 0.5);
             let correlation = 12.0 * (0..n).map(product).sum::<f64>() / f64::from(n);
             // Standard error 1/sqrt(n) for uncorrelated uniforms.
-            assert!(
-                correlation.abs() < 4.0 / f64::from(n).sqrt(),
-                "{correlation}"
-            );
+            assert!(correlation.abs() < 4.0 / f64::from(n).sqrt(), "{correlation}");
         }
     }
 

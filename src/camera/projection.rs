@@ -30,9 +30,7 @@ pub enum ProjectionError {
     #[error("camera distance is {0} mm: it must be finite and above 0")]
     Distance(f64),
     /// A layer that light cannot cross.
-    #[error(
-        "layer {index} has n {n} and thickness {thickness_mm} mm: n must be 1 or more, the thickness 0 or more"
-    )]
+    #[error("layer {index} has n {n} and thickness {thickness_mm} mm: n must be 1 or more, the thickness 0 or more")]
     Layer {
         /// Position in the list given, from 0.
         index: usize,
@@ -74,11 +72,7 @@ pub fn focal_px(camera: &Camera) -> Result<f64, ProjectionError> {
 ///
 /// # Errors
 /// Where camera, layers or surround are not physical.
-pub fn mm_per_pixel(
-    camera: &Camera,
-    layers: &[(f64, f64)],
-    surround_n: f64,
-) -> Result<f64, ProjectionError> {
+pub fn mm_per_pixel(camera: &Camera, layers: &[(f64, f64)], surround_n: f64) -> Result<f64, ProjectionError> {
     Ok(View::new(camera, layers, surround_n)?.mm_per_pixel())
 }
 
@@ -97,11 +91,7 @@ impl View {
     ///
     /// # Errors
     /// Where camera, layers or surround are not physical.
-    pub fn new(
-        camera: &Camera,
-        layers: &[(f64, f64)],
-        surround_n: f64,
-    ) -> Result<Self, ProjectionError> {
+    pub fn new(camera: &Camera, layers: &[(f64, f64)], surround_n: f64) -> Result<Self, ProjectionError> {
         let focal_px = focal_px(camera)?;
         if !(camera.distance_mm > 0.0 && camera.distance_mm.is_finite()) {
             return Err(ProjectionError::Distance(camera.distance_mm));
@@ -111,11 +101,7 @@ impl View {
         }
         for (index, &(n, thickness_mm)) in layers.iter().enumerate() {
             if !(n >= 1.0 && n.is_finite() && thickness_mm >= 0.0 && thickness_mm.is_finite()) {
-                return Err(ProjectionError::Layer {
-                    index,
-                    n,
-                    thickness_mm,
-                });
+                return Err(ProjectionError::Layer { index, n, thickness_mm });
             }
         }
         let [width, height] = camera.pixels;
@@ -152,11 +138,7 @@ impl View {
     pub fn pixel_from_touched(&self, point_mm: [f64; 2]) -> [f64; 2] {
         let [x, y] = point_mm;
         let r = x.hypot(y);
-        let scale = if r > 0.0 {
-            self.tangent_for(r) * self.focal_px / r
-        } else {
-            0.0
-        };
+        let scale = if r > 0.0 { self.tangent_for(r) * self.focal_px / r } else { 0.0 };
         [self.center_px[0] + x * scale, self.center_px[1] - y * scale]
     }
 
@@ -166,11 +148,7 @@ impl View {
         let [u, v] = self.offset_px(pixel);
         let radius_px = u.hypot(v);
         let t = radius_px / self.focal_px;
-        let direction = if radius_px > 0.0 {
-            [u / radius_px, v / radius_px]
-        } else {
-            [0.0, 0.0]
-        };
+        let direction = if radius_px > 0.0 { [u / radius_px, v / radius_px] } else { [0.0, 0.0] };
         let s = self.surround_n * t / t.hypot(1.0);
         let mut r = self.distance_mm * t;
         let mut z = 0.0;
@@ -231,11 +209,7 @@ impl View {
                     f64::NAN
                 }
             };
-            let next = if next > low && next < high {
-                next
-            } else {
-                0.5 * (low + high)
-            };
+            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
             if (next - t).abs() <= 1e-15 * t {
                 return next;
             }

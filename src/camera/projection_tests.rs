@@ -39,16 +39,8 @@ fn scale_shrinks_by_2_4_percent_to_the_edge_and_3_5_percent_to_the_corner() {
         let radius_px = (pixel[0] - 696.0).hypot(pixel[1] - 521.0);
         1.0 - x.hypot(y) / radius_px / view.mm_per_pixel()
     };
-    assert!(
-        (loss([1392.0, 521.0]) - 0.02398).abs() < 1e-5,
-        "{}",
-        loss([1392.0, 521.0])
-    );
-    assert!(
-        (loss([1392.0, 0.0]) - 0.03534).abs() < 1e-5,
-        "{}",
-        loss([1392.0, 0.0])
-    );
+    assert!((loss([1392.0, 521.0]) - 0.02398).abs() < 1e-5, "{}", loss([1392.0, 521.0]));
+    assert!((loss([1392.0, 0.0]) - 0.03534).abs() < 1e-5, "{}", loss([1392.0, 0.0]));
 }
 
 #[test]
@@ -56,12 +48,8 @@ fn local_radial_scale_shrinks_by_6_7_percent_at_the_edge_and_9_5_percent_in_the_
     // Millimetres under one pixel's step outward: the same script, its derivative by differences.
     let view = paper_view();
     let step = |pixel: [f64; 2], toward: [f64; 2]| {
-        let a = view
-            .touched_from_pixel([pixel[0] - toward[0], pixel[1] - toward[1]])
-            .unwrap();
-        let b = view
-            .touched_from_pixel([pixel[0] + toward[0], pixel[1] + toward[1]])
-            .unwrap();
+        let a = view.touched_from_pixel([pixel[0] - toward[0], pixel[1] - toward[1]]).unwrap();
+        let b = view.touched_from_pixel([pixel[0] + toward[0], pixel[1] + toward[1]]).unwrap();
         1.0 - (b[0] - a[0]).hypot(b[1] - a[1]) / 2.0 / view.mm_per_pixel()
     };
     let diagonal = 696f64.hypot(521.0);
@@ -73,20 +61,11 @@ fn local_radial_scale_shrinks_by_6_7_percent_at_the_edge_and_9_5_percent_in_the_
 #[test]
 fn image_plane_and_touched_face_map_back_and_forth() {
     let view = paper_view();
-    for pixel in [
-        [0.5, 0.5],
-        [696.0, 521.0],
-        [1391.5, 1041.5],
-        [100.25, 900.75],
-        [696.001, 521.0],
-    ] {
+    for pixel in [[0.5, 0.5], [696.0, 521.0], [1391.5, 1041.5], [100.25, 900.75], [696.001, 521.0]] {
         let point = view.touched_from_pixel(pixel).unwrap();
         let back = view.pixel_from_touched(point);
         // 1e-12 of 1400 pixels.
-        assert!(
-            (back[0] - pixel[0]).hypot(back[1] - pixel[1]) < 2e-9,
-            "{pixel:?} {back:?}"
-        );
+        assert!((back[0] - pixel[0]).hypot(back[1] - pixel[1]) < 2e-9, "{pixel:?} {back:?}");
     }
 }
 
@@ -145,28 +124,10 @@ fn impossible_geometry_is_a_typed_error() {
         change(&mut c);
         View::new(&c, &PAPER, 1.0).unwrap_err()
     };
-    assert!(matches!(
-        with(|c| c.pixels = [0, 5]),
-        ProjectionError::NoPixels { .. }
-    ));
-    assert!(matches!(
-        with(|c| c.view_angle_deg = 180.0),
-        ProjectionError::ViewAngle(_)
-    ));
-    assert!(matches!(
-        with(|c| c.view_angle_deg = f64::NAN),
-        ProjectionError::ViewAngle(_)
-    ));
-    assert!(matches!(
-        with(|c| c.distance_mm = 0.0),
-        ProjectionError::Distance(_)
-    ));
-    assert!(matches!(
-        View::new(&good, &[(0.5, 1.0)], 1.0),
-        Err(ProjectionError::Layer { index: 0, .. })
-    ));
-    assert!(matches!(
-        View::new(&good, &PAPER, f64::NAN),
-        Err(ProjectionError::Surround(_))
-    ));
+    assert!(matches!(with(|c| c.pixels = [0, 5]), ProjectionError::NoPixels { .. }));
+    assert!(matches!(with(|c| c.view_angle_deg = 180.0), ProjectionError::ViewAngle(_)));
+    assert!(matches!(with(|c| c.view_angle_deg = f64::NAN), ProjectionError::ViewAngle(_)));
+    assert!(matches!(with(|c| c.distance_mm = 0.0), ProjectionError::Distance(_)));
+    assert!(matches!(View::new(&good, &[(0.5, 1.0)], 1.0), Err(ProjectionError::Layer { index: 0, .. })));
+    assert!(matches!(View::new(&good, &PAPER, f64::NAN), Err(ProjectionError::Surround(_))));
 }

@@ -106,49 +106,34 @@ impl Calibration {
     pub fn parse(text: &str, file: &str) -> Result<Self, CalibrationError> {
         let line_of = |span: Option<Range<usize>>| {
             let end = span.map_or(0, |s| s.start).min(text.len());
-            1 + text
-                .as_bytes()
-                .iter()
-                .take(end)
-                .filter(|&&b| b == b'\n')
-                .count()
+            1 + text.as_bytes().iter().take(end).filter(|&&b| b == b'\n').count()
         };
         let document: Document = toml::from_str(text).map_err(|error| CalibrationError::Parse {
             file: file.to_owned(),
             line: line_of(error.span()),
             message: error.message().to_owned(),
         })?;
-        let wrong =
-            |key: &'static str, span: Range<usize>, problem: String| CalibrationError::Value {
-                file: file.to_owned(),
-                line: line_of(Some(span)),
-                key,
-                problem,
-            };
+        let wrong = |key: &'static str, span: Range<usize>, problem: String| CalibrationError::Value {
+            file: file.to_owned(),
+            line: line_of(Some(span)),
+            key,
+            problem,
+        };
         let positive = |key: &'static str, value: &Spanned<f64>| {
             let v = *value.as_ref();
             if v > 0.0 && v.is_finite() {
                 Ok(v)
             } else {
-                Err(wrong(
-                    key,
-                    value.span(),
-                    format!("is {v}: it must be finite and above 0"),
-                ))
+                Err(wrong(key, value.span(), format!("is {v}: it must be finite and above 0")))
             }
         };
         let table = document.force_n_from_sum_grey.map(|rows| {
             let span = rows.span();
-            ForceTable::new(rows.into_inner())
-                .map_err(|problem| wrong("force_n_from_sum_grey", span, problem))
+            ForceTable::new(rows.into_inner()).map_err(|problem| wrong("force_n_from_sum_grey", span, problem))
         });
         Ok(Self {
             mm_per_pixel: positive("mm_per_pixel", &document.mm_per_pixel)?,
-            bottom_area_mm2: document
-                .bottom_area_mm2
-                .as_ref()
-                .map(|v| positive("bottom_area_mm2", v))
-                .transpose()?,
+            bottom_area_mm2: document.bottom_area_mm2.as_ref().map(|v| positive("bottom_area_mm2", v)).transpose()?,
             force_n_from_sum_grey: table.transpose()?,
         })
     }
@@ -161,18 +146,10 @@ impl ForceTable {
     /// Says what is wrong with the rows.
     pub fn new(rows: Vec<[f64; 2]>) -> Result<Self, String> {
         if rows.len() < 2 {
-            return Err(format!(
-                "has {} rows: it must have 2 or more of [sum of grey values, force in N]",
-                rows.len()
-            ));
+            return Err(format!("has {} rows: it must have 2 or more of [sum of grey values, force in N]", rows.len()));
         }
-        if let Some([m, f]) = rows
-            .iter()
-            .find(|[m, f]| !(m.is_finite() && f.is_finite() && *f >= 0.0))
-        {
-            return Err(format!(
-                "has the row [{m}, {f}]: both must be finite and the force 0 or more"
-            ));
+        if let Some([m, f]) = rows.iter().find(|[m, f]| !(m.is_finite() && f.is_finite() && *f >= 0.0)) {
+            return Err(format!("has the row [{m}, {f}]: both must be finite and the force 0 or more"));
         }
         for pair in rows.windows(2) {
             if let [[m0, f0], [m1, f1]] = pair
@@ -189,9 +166,7 @@ impl ForceTable {
     /// The force in N for a sum of grey values, inside the calibrated range.
     pub fn at(&self, sum: f64) -> Force {
         match (self.rows.first(), self.rows.last()) {
-            (Some(&[least, _]), Some(&[most, _])) if !(least..=most).contains(&sum) => {
-                Force::Outside { least, most }
-            }
+            (Some(&[least, _]), Some(&[most, _])) if !(least..=most).contains(&sum) => Force::Outside { least, most },
             _ => Force::Inside(self.extended(sum)),
         }
     }
@@ -199,11 +174,7 @@ impl ForceTable {
     /// As [`ForceTable::at`], the first and last pieces running on beyond the range (for the ends of intervals), in N.
     pub fn extended(&self, sum: f64) -> f64 {
         let last_piece = self.rows.len().saturating_sub(2);
-        let piece = self
-            .rows
-            .partition_point(|[m, _]| *m <= sum)
-            .saturating_sub(1)
-            .min(last_piece);
+        let piece = self.rows.partition_point(|[m, _]| *m <= sum).saturating_sub(1).min(last_piece);
         match self.rows.get(piece..piece + 2) {
             Some(&[[m0, f0], [m1, f1]]) => f0 + (sum - m0) * ((f1 - f0) / (m1 - m0)),
             _ => f64::NAN,
@@ -227,20 +198,8 @@ mod tests {
         assert_eq!(table.at(15.0), Force::Inside(1.5));
         assert_eq!(table.at(30.0), Force::Inside(2.25));
         assert_eq!(table.at(40.0), Force::Inside(2.5));
-        assert_eq!(
-            table.at(9.9),
-            Force::Outside {
-                least: 10.0,
-                most: 40.0
-            }
-        );
-        assert_eq!(
-            table.at(40.1),
-            Force::Outside {
-                least: 10.0,
-                most: 40.0
-            }
-        );
+        assert_eq!(table.at(9.9), Force::Outside { least: 10.0, most: 40.0 });
+        assert_eq!(table.at(40.1), Force::Outside { least: 10.0, most: 40.0 });
         assert_eq!(table.extended(0.0), 0.0);
         assert_eq!(table.extended(80.0), 3.5);
     }
@@ -257,16 +216,10 @@ mod tests {
             error("# scale\n\nmm_per_pixel = -1.0\n"),
             "c.toml:3: mm_per_pixel is -1: it must be finite and above 0"
         );
-        assert!(
-            error("mm_per_pixel = 1.0\nwidth = 3\n").starts_with("c.toml:2: unknown field `width`")
-        );
+        assert!(error("mm_per_pixel = 1.0\nwidth = 3\n").starts_with("c.toml:2: unknown field `width`"));
         assert!(error("bottom_area_mm2 = 1.0\n").contains("mm_per_pixel"));
         assert!(error("mm_per_pixel = \n").starts_with("c.toml:1:"));
-        let table = |rows: &str| {
-            error(&format!(
-                "mm_per_pixel = 1.0\nforce_n_from_sum_grey = {rows}\n"
-            ))
-        };
+        let table = |rows: &str| error(&format!("mm_per_pixel = 1.0\nforce_n_from_sum_grey = {rows}\n"));
         assert!(table("[[1.0, 2.0]]").starts_with("c.toml:2: force_n_from_sum_grey has 1 rows"));
         assert!(table("[[1.0, 2.0], [1.0, 3.0]]").contains("sums must rise"));
         assert!(table("[[1.0, 2.0], [2.0, 1.0]]").contains("must not fall"));
@@ -275,9 +228,7 @@ mod tests {
 
     #[test]
     fn missing_file_is_an_error_with_its_name() {
-        let error = Calibration::load(Path::new("no/such/calibration.toml"))
-            .unwrap_err()
-            .to_string();
+        let error = Calibration::load(Path::new("no/such/calibration.toml")).unwrap_err().to_string();
         assert!(error.starts_with("no/such/calibration.toml: "), "{error}");
     }
 }

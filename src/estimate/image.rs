@@ -35,9 +35,7 @@ pub enum ImageError {
         value: f64,
     },
     /// Image and reference differ in size.
-    #[error(
-        "the reference has {reference_width} x {reference_height} pixels, the image {width} x {height}"
-    )]
+    #[error("the reference has {reference_width} x {reference_height} pixels, the image {width} x {height}")]
     ReferenceSize {
         /// Columns of the image.
         width: usize,
@@ -55,33 +53,15 @@ impl GreyImage {
     ///
     /// # Errors
     /// Where the size does not fit or a value is not finite.
-    pub fn new(
-        width: usize,
-        height: usize,
-        grey: &[f64],
-        top_grey: Option<f64>,
-    ) -> Result<Self, ImageError> {
+    pub fn new(width: usize, height: usize, grey: &[f64], top_grey: Option<f64>) -> Result<Self, ImageError> {
         if grey.is_empty() || width.checked_mul(height) != Some(grey.len()) {
-            return Err(ImageError::Size {
-                width,
-                height,
-                values: grey.len(),
-            });
+            return Err(ImageError::Size { width, height, values: grey.len() });
         }
         if let Some((i, &value)) = grey.iter().enumerate().find(|(_, v)| !v.is_finite()) {
-            return Err(ImageError::NotFinite {
-                column: i % width,
-                row: i / width,
-                value,
-            });
+            return Err(ImageError::NotFinite { column: i % width, row: i / width, value });
         }
         let saturated_pixels = top_grey.map_or(0, |top| grey.iter().filter(|&&v| v >= top).count());
-        Ok(Self {
-            width,
-            height,
-            grey: grey.to_vec(),
-            saturated_pixels,
-        })
+        Ok(Self { width, height, grey: grey.to_vec(), saturated_pixels })
     }
 
     /// The image of a camera frame.
@@ -90,12 +70,7 @@ impl GreyImage {
     /// Where the frame's size does not fit its values.
     pub fn from_frame(frame: &Frame) -> Result<Self, ImageError> {
         let grey: Vec<f64> = frame.grey.iter().copied().map(f64::from).collect();
-        Self::new(
-            frame.width as usize,
-            frame.height as usize,
-            &grey,
-            Some(f64::from(frame.top_grey())),
-        )
+        Self::new(frame.width as usize, frame.height as usize, &grey, Some(f64::from(frame.top_grey())))
     }
 
     /// This image less a reference frame (no inclusion, or no press). Thresholds then apply to the difference.
@@ -114,12 +89,7 @@ impl GreyImage {
                 reference_height: reference.height,
             });
         }
-        let grey = self
-            .grey
-            .iter()
-            .zip(&reference.grey)
-            .map(|(a, b)| a - b)
-            .collect();
+        let grey = self.grey.iter().zip(&reference.grey).map(|(a, b)| a - b).collect();
         Ok(Self { grey, ..*self })
     }
 
@@ -153,11 +123,7 @@ impl GreyImage {
         let split = |x: f64, count: usize| {
             let x = (x - 0.5).clamp(0.0, (count - 1) as f64);
             let first = x.floor();
-            (
-                first as usize,
-                (first as usize + 1).min(count - 1),
-                x - first,
-            )
+            (first as usize, (first as usize + 1).min(count - 1), x - first)
         };
         let (c0, c1, u) = split(column, self.width);
         let (r0, r1, v) = split(row, self.height);
@@ -175,9 +141,7 @@ mod tests {
 
     #[test]
     fn bilinear_value_meets_the_pixels_at_their_centres_and_the_plane_between() {
-        let plane: Vec<f64> = (0..12)
-            .map(|i| f64::from(i % 4) + 10.0 * f64::from(i / 4))
-            .collect();
+        let plane: Vec<f64> = (0..12).map(|i| f64::from(i % 4) + 10.0 * f64::from(i / 4)).collect();
         let image = GreyImage::new(4, 3, &plane, None).unwrap();
         assert_eq!(image.at([0.5, 0.5]), 0.0);
         assert_eq!(image.at([3.5, 2.5]), 23.0);
@@ -196,27 +160,11 @@ mod tests {
 
     #[test]
     fn wrong_sizes_and_values_are_typed_errors() {
-        assert!(matches!(
-            GreyImage::new(0, 0, &[], None),
-            Err(ImageError::Size { .. })
-        ));
-        assert!(matches!(
-            GreyImage::new(2, 2, &[0.0; 3], None),
-            Err(ImageError::Size { .. })
-        ));
-        assert!(matches!(
-            GreyImage::new(usize::MAX, 2, &[0.0; 3], None),
-            Err(ImageError::Size { .. })
-        ));
+        assert!(matches!(GreyImage::new(0, 0, &[], None), Err(ImageError::Size { .. })));
+        assert!(matches!(GreyImage::new(2, 2, &[0.0; 3], None), Err(ImageError::Size { .. })));
+        assert!(matches!(GreyImage::new(usize::MAX, 2, &[0.0; 3], None), Err(ImageError::Size { .. })));
         let nan = GreyImage::new(2, 1, &[0.0, f64::NAN], None);
-        assert!(matches!(
-            nan,
-            Err(ImageError::NotFinite {
-                column: 1,
-                row: 0,
-                ..
-            })
-        ));
+        assert!(matches!(nan, Err(ImageError::NotFinite { column: 1, row: 0, .. })));
         let a = GreyImage::new(2, 1, &[0.0, 1.0], None).unwrap();
         let b = GreyImage::new(1, 2, &[0.0, 1.0], None).unwrap();
         assert!(matches!(a.minus(&b), Err(ImageError::ReferenceSize { .. })));

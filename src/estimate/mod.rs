@@ -39,12 +39,8 @@ impl Estimates {
         };
         Self {
             size_mm,
-            depth_mm: Value::undefined(
-                "the depth indicator h is a grey value; no model relates it to millimetres",
-            ),
-            youngs_kpa: Value::undefined(
-                "the paper's stiffness is relative; no model relates it to a modulus",
-            ),
+            depth_mm: Value::undefined("the depth indicator h is a grey value; no model relates it to millimetres"),
+            youngs_kpa: Value::undefined("the paper's stiffness is relative; no model relates it to a modulus"),
         }
     }
 }

@@ -28,10 +28,7 @@ pub struct Settings {
 impl Default for Settings {
     /// The paper's threshold and the noise of rounding to whole grey levels, 1/sqrt(12).
     fn default() -> Self {
-        Self {
-            threshold_grey: 5.0,
-            noise_grey: 1.0 / 12f64.sqrt(),
-        }
+        Self { threshold_grey: 5.0, noise_grey: 1.0 / 12f64.sqrt() }
     }
 }
 
@@ -71,11 +68,7 @@ pub fn estimate(image: &GreyImage, settings: &Settings) -> PaperEstimate {
     let h_grey = match &centroid_px {
         Value::Known { value, .. } => {
             let h = image.at(*value);
-            Value::known(
-                h,
-                h - 2.0 * settings.noise_grey,
-                h + 2.0 * settings.noise_grey,
-            )
+            Value::known(h, h - 2.0 * settings.noise_grey, h + 2.0 * settings.noise_grey)
         }
         Value::Undefined { reason } => Value::undefined(reason.clone()),
     };
@@ -93,11 +86,7 @@ pub fn estimate(image: &GreyImage, settings: &Settings) -> PaperEstimate {
         centroid_px,
         h_grey,
         sum_grey: Value::known(sum, sum - sum_error, sum + sum_error),
-        max_grey: image
-            .grey()
-            .iter()
-            .copied()
-            .fold(f64::NEG_INFINITY, f64::max),
+        max_grey: image.grey().iter().copied().fold(f64::NEG_INFINITY, f64::max),
         saturated_pixels,
         warnings,
     }
@@ -115,15 +104,11 @@ fn diameter(image: &GreyImage, settings: &Settings) -> Value {
     let k = settings.threshold_grey;
     let lit = image.brighter_than(k);
     if lit == 0 {
-        return Value::undefined(format!(
-            "no pixel is brighter than the threshold of {k} grey levels"
-        ));
+        return Value::undefined(format!("no pixel is brighter than the threshold of {k} grey levels"));
     }
     let (d, _) = equivalent_diameter(lit);
-    let (least, least_error) =
-        equivalent_diameter(image.brighter_than(k + settings.threshold_step()));
-    let (most, most_error) =
-        equivalent_diameter(image.brighter_than(k - settings.threshold_step()));
+    let (least, least_error) = equivalent_diameter(image.brighter_than(k + settings.threshold_step()));
+    let (most, most_error) = equivalent_diameter(image.brighter_than(k - settings.threshold_step()));
     Value::known(d, (least - least_error).max(0.0), most + most_error)
 }
 
@@ -132,9 +117,7 @@ fn centroid(image: &GreyImage, sum: f64, noise_grey: f64) -> Value<[f64; 2]> {
         return Value::undefined("the image is blank: it has no centroid");
     }
     if sum <= 0.0 {
-        return Value::undefined(format!(
-            "the sum of grey values is {sum}: it must be above 0 for a centroid"
-        ));
+        return Value::undefined(format!("the sum of grey values is {sum}: it must be above 0 for a centroid"));
     }
     // Moments about the middle of the image keep digits.
     let (width, height) = (image.width() as f64, image.height() as f64);
@@ -142,11 +125,7 @@ fn centroid(image: &GreyImage, sum: f64, noise_grey: f64) -> Value<[f64; 2]> {
     let mut moment = [0.0; 2];
     for (row, values) in image.grey().chunks_exact(image.width()).enumerate() {
         let row_sum: f64 = values.iter().sum();
-        let row_moment: f64 = values
-            .iter()
-            .enumerate()
-            .map(|(c, v)| (c as f64 + 0.5 - middle[0]) * v)
-            .sum();
+        let row_moment: f64 = values.iter().enumerate().map(|(c, v)| (c as f64 + 0.5 - middle[0]) * v).sum();
         moment[0] += row_moment;
         moment[1] += (row as f64 + 0.5 - middle[1]) * row_sum;
     }
@@ -165,11 +144,7 @@ fn centroid(image: &GreyImage, sum: f64, noise_grey: f64) -> Value<[f64; 2]> {
         return Value::undefined("the sum of grey values is too small for a centroid");
     }
     let shifted = |sign: f64| [value[0] + sign * error[0], value[1] + sign * error[1]];
-    Value::Known {
-        value,
-        low: shifted(-1.0),
-        high: shifted(1.0),
-    }
+    Value::Known { value, low: shifted(-1.0), high: shifted(1.0) }
 }
 
 #[cfg(test)]

@@ -23,12 +23,7 @@ pub struct Stiffness {
 }
 
 /// Compares two frames; the second is usually pressed harder.
-pub fn stiffness(
-    first: &GreyImage,
-    second: &GreyImage,
-    settings: &Settings,
-    calibration: &Calibration,
-) -> Stiffness {
+pub fn stiffness(first: &GreyImage, second: &GreyImage, settings: &Settings, calibration: &Calibration) -> Stiffness {
     let force_n = force(&estimate(second, settings), calibration);
     let pressure_kpa = match calibration.bottom_area_mm2 {
         // N/mm^2 are MPa.
@@ -37,12 +32,7 @@ pub fn stiffness(
     };
     let deformation = deformation(first, second, settings);
     let relative_stiffness_kpa = ratio(&pressure_kpa, &deformation);
-    Stiffness {
-        force_n,
-        pressure_kpa,
-        deformation,
-        relative_stiffness_kpa,
-    }
+    Stiffness { force_n, pressure_kpa, deformation, relative_stiffness_kpa }
 }
 
 /// The force that the calibration gives for an image's sum of grey values.
@@ -54,9 +44,7 @@ pub fn force(paper: &PaperEstimate, calibration: &Calibration) -> Value {
         return Value::undefined("the calibration gives no force_n_from_sum_grey");
     };
     match table.at(value) {
-        Force::Inside(newton) => {
-            Value::known(newton, table.extended(low).max(0.0), table.extended(high))
-        }
+        Force::Inside(newton) => Value::known(newton, table.extended(low).max(0.0), table.extended(high)),
         Force::Outside { least, most } => Value::undefined(format!(
             "the sum of grey values, {value:.6e}, is outside the calibrated range {least:.6e} to {most:.6e}"
         )),
@@ -88,11 +76,7 @@ fn deformation(first: &GreyImage, second: &GreyImage, settings: &Settings) -> Va
         high = high.max(change + error);
     }
     // The interval of the magnitude: folded at 0 where the change may have either sign.
-    let least = if low <= 0.0 && high >= 0.0 {
-        0.0
-    } else {
-        low.abs().min(high.abs())
-    };
+    let least = if low <= 0.0 && high >= 0.0 { 0.0 } else { low.abs().min(high.abs()) };
     Value::known(change.abs(), least, low.abs().max(high.abs()))
 }
 
@@ -103,18 +87,9 @@ fn ratio(pressure: &Value, deformation: &Value) -> Value {
         (_, Value::Known { value, low, .. }) if *value == 0.0 || *low <= 0.0 => Value::undefined(
             "the diameters of the two frames do not differ beyond their uncertainty: T = 0 has no P / T",
         ),
-        (
-            Value::Known {
-                value: p,
-                low: p_low,
-                high: p_high,
-            },
-            Value::Known {
-                value: t,
-                low: t_low,
-                high: t_high,
-            },
-        ) => Value::known(p / t, p_low / t_high, p_high / t_low),
+        (Value::Known { value: p, low: p_low, high: p_high }, Value::Known { value: t, low: t_low, high: t_high }) => {
+            Value::known(p / t, p_low / t_high, p_high / t_low)
+        }
     }
 }
 
@@ -130,13 +105,7 @@ mod tests {
             let (x, y) = ((i % n) as f64 + 0.5 - 100.3, (i / n) as f64 + 0.5 - 99.6);
             if x.hypot(y) < radius { grey } else { 0.0 }
         };
-        GreyImage::new(
-            n,
-            n,
-            &(0..n * n).map(pixel).collect::<Vec<_>>(),
-            Some(255.0),
-        )
-        .unwrap()
+        GreyImage::new(n, n, &(0..n * n).map(pixel).collect::<Vec<_>>(), Some(255.0)).unwrap()
     }
 
     fn calibration() -> Calibration {
@@ -149,18 +118,10 @@ mod tests {
     fn stiffness_of_two_discs_is_pressure_over_relative_growth() {
         let (first, second) = (disc(40.0, 100.0), disc(60.0, 50.0));
         let got = stiffness(&first, &second, &Settings::default(), &calibration());
-        let Value::Known { value, low, high } = got.relative_stiffness_kpa else {
-            panic!("{got:?}")
-        };
+        let Value::Known { value, low, high } = got.relative_stiffness_kpa else { panic!("{got:?}") };
         // M = 50 pi 60^2 = 565487, F = 5.65487 N, P = 6.28319 kPa, T = 0.5. Counting pixels: T good to 0.003.
-        assert!(
-            (value / (1e3 * 50.0 * 3600.0 * PI * 1e-5 / 900.0 / 0.5) - 1.0).abs() < 0.01,
-            "{value}"
-        );
-        assert!(
-            low < 12.566 && 12.566 < high && high / low < 1.1,
-            "{low} {high}"
-        );
+        assert!((value / (1e3 * 50.0 * 3600.0 * PI * 1e-5 / 900.0 / 0.5) - 1.0).abs() < 0.01, "{value}");
+        assert!(low < 12.566 && 12.566 < high && high / low < 1.1, "{low} {high}");
     }
 
     #[test]
@@ -169,47 +130,26 @@ mod tests {
         let got = stiffness(&frame, &frame, &Settings::default(), &calibration());
         assert!(got.force_n.best().is_some());
         assert_eq!(got.deformation.best(), Some(&0.0));
-        assert!(
-            matches!(got.relative_stiffness_kpa, Value::Undefined { reason } if reason.contains("T = 0"))
-        );
+        assert!(matches!(got.relative_stiffness_kpa, Value::Undefined { reason } if reason.contains("T = 0")));
     }
 
     #[test]
     fn change_within_the_uncertainty_leaves_the_stiffness_undefined() {
-        let got = stiffness(
-            &disc(40.0, 100.0),
-            &disc(40.02, 100.0),
-            &Settings::default(),
-            &calibration(),
-        );
+        let got = stiffness(&disc(40.0, 100.0), &disc(40.02, 100.0), &Settings::default(), &calibration());
         assert_eq!(got.relative_stiffness_kpa.best(), None);
     }
 
     #[test]
     fn sum_outside_the_calibrated_range_is_undefined_and_names_the_range() {
-        let got = stiffness(
-            &disc(40.0, 100.0),
-            &disc(90.0, 200.0),
-            &Settings::default(),
-            &calibration(),
-        );
-        let Value::Undefined { reason } = got.force_n else {
-            panic!("known")
-        };
+        let got = stiffness(&disc(40.0, 100.0), &disc(90.0, 200.0), &Settings::default(), &calibration());
+        let Value::Undefined { reason } = got.force_n else { panic!("known") };
         assert!(reason.contains("1.000000e5 to 1.000000e6"), "{reason}");
         assert_eq!(got.relative_stiffness_kpa.best(), None);
     }
 
     #[test]
     fn blank_frame_has_no_deformation() {
-        let got = stiffness(
-            &disc(0.0, 0.0),
-            &disc(60.0, 50.0),
-            &Settings::default(),
-            &calibration(),
-        );
-        assert!(
-            matches!(got.deformation, Value::Undefined { reason } if reason.contains("first frame"))
-        );
+        let got = stiffness(&disc(0.0, 0.0), &disc(60.0, 50.0), &Settings::default(), &calibration());
+        assert!(matches!(got.deformation, Value::Undefined { reason } if reason.contains("first frame")));
     }
 }

@@ -28,9 +28,7 @@ pub enum Value<T = f64> {
 impl<T> Value<T> {
     /// No value, for the given reason.
     pub fn undefined(reason: impl Into<String>) -> Self {
-        Self::Undefined {
-            reason: reason.into(),
-        }
+        Self::Undefined { reason: reason.into() }
     }
 
     /// The best value, if there is one.
@@ -55,9 +53,7 @@ impl Value<f64> {
     /// The value and its interval times a positive factor, such as a unit or a scale.
     pub fn scaled(&self, factor: f64) -> Self {
         match self {
-            Self::Known { value, low, high } => {
-                Self::known(value * factor, low * factor, high * factor)
-            }
+            Self::Known { value, low, high } => Self::known(value * factor, low * factor, high * factor),
             Self::Undefined { .. } => self.clone(),
         }
     }
@@ -85,15 +81,8 @@ mod tests {
         assert_eq!(known, r#"{"value":2.0,"low":1.0,"high":4.0}"#);
         let none = serde_json::to_string(&Value::<f64>::undefined("blank image")).unwrap();
         assert_eq!(none, r#"{"undefined":"blank image"}"#);
-        let point = Value::Known {
-            value: [1.0, 2.0],
-            low: [0.0, 1.0],
-            high: [2.0, 3.0],
-        };
-        assert_eq!(
-            serde_json::to_string(&point).unwrap(),
-            r#"{"value":[1.0,2.0],"low":[0.0,1.0],"high":[2.0,3.0]}"#
-        );
+        let point = Value::Known { value: [1.0, 2.0], low: [0.0, 1.0], high: [2.0, 3.0] };
+        assert_eq!(serde_json::to_string(&point).unwrap(), r#"{"value":[1.0,2.0],"low":[0.0,1.0],"high":[2.0,3.0]}"#);
     }
 
     #[test]

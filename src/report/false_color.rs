@@ -48,17 +48,9 @@ impl Mapping {
             let dimmest = sorted.iter().copied().find(|v| *v > 0.0).unwrap_or(high);
             // A decade at least: a uniform image is no gradient.
             let low = dimmest.clamp(high * 10f64.powf(-LOG_DECADES), 0.1 * high);
-            Self {
-                low,
-                high,
-                log: true,
-            }
+            Self { low, high, log: true }
         } else {
-            Self {
-                low: least.min(0.0),
-                high: high.max(0.0),
-                log: false,
-            }
+            Self { low: least.min(0.0), high: high.max(0.0), log: false }
         }
     }
 
@@ -68,11 +60,7 @@ impl Mapping {
         } else {
             (value - self.low) / (self.high - self.low)
         };
-        if share.is_finite() {
-            share.clamp(0.0, 1.0)
-        } else {
-            0.0
-        }
+        if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
     }
 }
 
@@ -86,19 +74,12 @@ pub(super) fn color(share: f64) -> [u8; 3] {
 ///
 /// # Errors
 /// Where the raster's size does not fit or a number is not finite.
-pub fn false_color(
-    title: &str,
-    raster: &Raster,
-    scale: ColorScale,
-) -> Result<String, PictureError> {
+pub fn false_color(title: &str, raster: &Raster, scale: ColorScale) -> Result<String, PictureError> {
     raster.check()?;
     let (least, most) = raster.range();
     let dark = least == 0.0 && most == 0.0;
     let shrink = raster.width.max(raster.height).div_ceil(BITMAP_PX);
-    let blocks = raster.blocks(
-        raster.width.div_ceil(shrink),
-        raster.height.div_ceil(shrink),
-    );
+    let blocks = raster.blocks(raster.width.div_ceil(shrink), raster.height.div_ceil(shrink));
     let mapping = Mapping::choose(&blocks, scale);
 
     let aspect = raster.height as f64 / raster.width as f64;
@@ -109,26 +90,12 @@ pub fn false_color(
     let (width, height) = ((image_width + 170.0).max(420.0), y + bar_height + 56.0);
     let mut svg = Svg::new(width, height, title, &subtitle(raster, most));
 
-    let rgb: Vec<u8> = blocks
-        .values
-        .iter()
-        .flat_map(|&v| color(mapping.share(v)))
-        .collect();
-    svg.bitmap(
-        [x, y, image_width, image_height],
-        blocks.width,
-        blocks.height,
-        &rgb,
-    )?;
+    let rgb: Vec<u8> = blocks.values.iter().flat_map(|&v| color(mapping.share(v))).collect();
+    svg.bitmap([x, y, image_width, image_height], blocks.width, blocks.height, &rgb)?;
     svg.rect([x, y, image_width, image_height], r#"class="tt-hair""#);
     if dark {
         let middle = [x + 0.5 * image_width, y + 0.5 * image_height + 5.0];
-        svg.text_with(
-            middle,
-            Anchor::Middle,
-            r##"fill="#f0f0f0" font-size="15""##,
-            "dark: maximum 0",
-        );
+        svg.text_with(middle, Anchor::Middle, r##"fill="#f0f0f0" font-size="15""##, "dark: maximum 0");
     } else {
         let bar = [x + image_width + 18.0, y, 18.0, bar_height];
         color_bar(&mut svg, bar, raster, &mapping)?;
@@ -138,30 +105,13 @@ pub fn false_color(
 }
 
 fn subtitle(raster: &Raster, most: f64) -> String {
-    let unit = if raster.unit.is_empty() {
-        String::new()
-    } else {
-        format!(" {}", raster.unit)
-    };
-    format!(
-        "{} × {} pixels · maximum {}{unit}",
-        raster.width,
-        raster.height,
-        ticks::short(most)
-    )
+    let unit = if raster.unit.is_empty() { String::new() } else { format!(" {}", raster.unit) };
+    format!("{} × {} pixels · maximum {}{unit}", raster.width, raster.height, ticks::short(most))
 }
 
-fn color_bar(
-    svg: &mut Svg,
-    [x, y, w, h]: [f64; 4],
-    raster: &Raster,
-    mapping: &Mapping,
-) -> Result<(), PictureError> {
+fn color_bar(svg: &mut Svg, [x, y, w, h]: [f64; 4], raster: &Raster, mapping: &Mapping) -> Result<(), PictureError> {
     let steps = 256;
-    let rgb: Vec<u8> = (0..steps)
-        .rev()
-        .flat_map(|i| color(i as f64 / (steps - 1) as f64))
-        .collect();
+    let rgb: Vec<u8> = (0..steps).rev().flat_map(|i| color(i as f64 / (steps - 1) as f64)).collect();
     let (marks, exponent) = if mapping.log {
         (ticks::logarithmic(mapping.low, mapping.high), 0)
     } else {
@@ -178,11 +128,7 @@ fn color_bar(
         widest = widest.max(text_width(&label));
     }
     let label = raster.quantity_label(exponent);
-    let label = if mapping.log {
-        format!("{label}, logarithmic")
-    } else {
-        label
-    };
+    let label = if mapping.log { format!("{label}, logarithmic") } else { label };
     svg.text_upward([x + w + 26.0 + widest, y + 0.5 * h], "tt-muted", &label);
     Ok(())
 }
@@ -192,18 +138,11 @@ fn scale_bar(svg: &mut Svg, [x, y]: [f64; 2], image_width: f64, raster: &Raster)
     let across = pixel * raster.width as f64;
     let length = ticks::round_length(0.25 * across);
     let drawn = length / across * image_width;
-    let unit = if length == 1.0 {
-        unit.trim_end_matches('s')
-    } else {
-        unit
-    };
+    let unit = if length == 1.0 { unit.trim_end_matches('s') } else { unit };
     let label = format!("{} {unit}", ticks::short(length));
     svg.scale_bar([x, y], drawn, &label);
     if raster.mm_per_pixel.is_some() {
-        let note = format!(
-            "touched face, on the axis: {} mm per pixel",
-            ticks::short(pixel)
-        );
+        let note = format!("touched face, on the axis: {} mm per pixel", ticks::short(pixel));
         if drawn + text_width(&label) + text_width(&note) + 30.0 < image_width {
             svg.text([x + image_width, y + 4.5], Anchor::End, "tt-muted", &note);
         }
@@ -234,43 +173,21 @@ mod tests {
         assert_well_formed(&svg);
         assert!(svg.contains("dark: maximum 0"));
         let lit = blob(1.0);
-        assert!(
-            !false_color("Radiance", &raster(&lit), ColorScale::Auto)
-                .unwrap()
-                .contains("dark:")
-        );
+        assert!(!false_color("Radiance", &raster(&lit), ColorScale::Auto).unwrap().contains("dark:"));
     }
 
     #[test]
     fn automatic_scale_is_logarithmic_only_where_little_is_very_bright() {
         let mut values = blob(1.0);
-        assert!(
-            !false_color("a", &raster(&values), ColorScale::Auto)
-                .unwrap()
-                .contains("logarithmic")
-        );
+        assert!(!false_color("a", &raster(&values), ColorScale::Auto).unwrap().contains("logarithmic"));
         values[0] = 1e4;
-        assert!(
-            false_color("a", &raster(&values), ColorScale::Auto)
-                .unwrap()
-                .contains("logarithmic")
-        );
+        assert!(false_color("a", &raster(&values), ColorScale::Auto).unwrap().contains("logarithmic"));
     }
 
     #[test]
     fn logarithmic_scale_gives_each_decade_an_equal_share() {
-        let mapping = Mapping {
-            low: 1e-4,
-            high: 1.0,
-            log: true,
-        };
-        for (value, share) in [
-            (1.0, 1.0),
-            (1e-1, 0.75),
-            (1e-3, 0.25),
-            (0.0, 0.0),
-            (-3.0, 0.0),
-        ] {
+        let mapping = Mapping { low: 1e-4, high: 1.0, log: true };
+        for (value, share) in [(1.0, 1.0), (1e-1, 0.75), (1e-3, 0.25), (0.0, 0.0), (-3.0, 0.0)] {
             assert!((mapping.share(value) - share).abs() < 1e-12, "{value}");
         }
     }
@@ -279,12 +196,7 @@ mod tests {
     fn one_pixel_and_long_strips_are_drawn() {
         let values = [3.0; 50];
         for (width, height) in [(1, 1), (50, 1), (1, 50)] {
-            let strip = Raster {
-                width,
-                height,
-                values: &values[..width * height],
-                ..raster(&values)
-            };
+            let strip = Raster { width, height, values: &values[..width * height], ..raster(&values) };
             assert_well_formed(&false_color("strip", &strip, ColorScale::Auto).unwrap());
         }
     }

@@ -71,27 +71,17 @@ impl Item {
     pub fn from_paper(paper: &PaperEstimate) -> Self {
         let row = |name: &str, unit: &str, value: Value| (name.to_owned(), unit.to_owned(), value);
         Self::Values(vec![
-            row(
-                "diameter d of the lit area",
-                "px",
-                paper.diameter_px.clone(),
-            ),
+            row("diameter d of the lit area", "px", paper.diameter_px.clone()),
             row("centroid, column", "px", paper.centroid_px.axis(0)),
             row("centroid, row", "px", paper.centroid_px.axis(1)),
             row("depth indicator h", "grey levels", paper.h_grey.clone()),
-            row(
-                "sum M of grey values",
-                "grey levels",
-                paper.sum_grey.clone(),
-            ),
+            row("sum M of grey values", "grey levels", paper.sum_grey.clone()),
         ])
     }
 
     /// Size, depth and modulus as a table of values.
     pub fn from_estimates(estimates: &Estimates) -> Self {
-        let row = |name: &str, unit: &str, value: &Value| {
-            (name.to_owned(), unit.to_owned(), value.clone())
-        };
+        let row = |name: &str, unit: &str, value: &Value| (name.to_owned(), unit.to_owned(), value.clone());
         Self::Values(vec![
             row("size", "mm", &estimates.size_mm),
             row("depth", "mm", &estimates.depth_mm),
@@ -195,11 +185,7 @@ fn item(item: &Item) -> Markup {
 
 fn text_table(table: &Table) -> Markup {
     let numeric = |column: usize| {
-        let mut cells = table
-            .rows
-            .iter()
-            .filter_map(|row| row.get(column))
-            .peekable();
+        let mut cells = table.rows.iter().filter_map(|row| row.get(column)).peekable();
         cells.peek().is_some() && cells.all(|cell| starts_as_number(cell))
     };
     let class = |column: usize| numeric(column).then_some("number");
@@ -219,8 +205,7 @@ fn text_table(table: &Table) -> Markup {
 }
 
 fn starts_as_number(cell: &str) -> bool {
-    cell.trim_start_matches(['−', '-', '+'])
-        .starts_with(|c: char| c.is_ascii_digit())
+    cell.trim_start_matches(['−', '-', '+']).starts_with(|c: char| c.is_ascii_digit())
 }
 
 fn value_table(values: &[(String, String, Value)]) -> Markup {

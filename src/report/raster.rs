@@ -55,27 +55,16 @@ pub(super) struct Blocks {
 
 impl Raster<'_> {
     pub(super) fn check(&self) -> Result<(), PictureError> {
-        if self.values.is_empty() || self.width.checked_mul(self.height) != Some(self.values.len())
-        {
-            return Err(PictureError::Size {
-                width: self.width,
-                height: self.height,
-                values: self.values.len(),
-            });
+        if self.values.is_empty() || self.width.checked_mul(self.height) != Some(self.values.len()) {
+            return Err(PictureError::Size { width: self.width, height: self.height, values: self.values.len() });
         }
         if let Some(&value) = self.values.iter().find(|v| !v.is_finite()) {
-            return Err(PictureError::Number {
-                what: "a value of the picture",
-                value,
-                allowed: "finite",
-            });
+            return Err(PictureError::Number { what: "a value of the picture", value, allowed: "finite" });
         }
         match self.mm_per_pixel {
-            Some(value) if !(value > 0.0 && value.is_finite()) => Err(PictureError::Number {
-                what: "mm per pixel",
-                value,
-                allowed: "finite and above 0",
-            }),
+            Some(value) if !(value > 0.0 && value.is_finite()) => {
+                Err(PictureError::Number { what: "mm per pixel", value, allowed: "finite and above 0" })
+            }
             _ => Ok(()),
         }
     }
@@ -83,9 +72,7 @@ impl Raster<'_> {
     /// Least and greatest value; 0 and 0 of an empty raster.
     pub(super) fn range(&self) -> (f64, f64) {
         let first = self.values.first().copied().unwrap_or(0.0);
-        self.values
-            .iter()
-            .fold((first, first), |(low, high), &v| (low.min(v), high.max(v)))
+        self.values.iter().fold((first, first), |(low, high), &v| (low.min(v), high.max(v)))
     }
 
     /// Length of a pixel's edge in the unit of length, and that unit.
@@ -95,30 +82,15 @@ impl Raster<'_> {
 
     /// The quantity with its unit in brackets behind a power of ten: "radiance (10⁻³ W/(m² sr))".
     pub(super) fn quantity_label(&self, exponent: i32) -> String {
-        let power = if exponent == 0 {
-            String::new()
-        } else {
-            super::ticks::power_of_ten(exponent)
-        };
-        let unit = [power.as_str(), self.unit]
-            .into_iter()
-            .filter(|s| !s.is_empty())
-            .collect::<Vec<_>>()
-            .join(" ");
-        if unit.is_empty() {
-            self.quantity.to_owned()
-        } else {
-            format!("{} ({unit})", self.quantity)
-        }
+        let power = if exponent == 0 { String::new() } else { super::ticks::power_of_ten(exponent) };
+        let unit = [power.as_str(), self.unit].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join(" ");
+        if unit.is_empty() { self.quantity.to_owned() } else { format!("{} ({unit})", self.quantity) }
     }
 
     /// Means over at most `most_columns` by `most_rows` blocks of equal size; pixels on a border count in shares, so that
     /// neither noise nor slopes show the pattern of the blocks.
     pub(super) fn blocks(&self, most_columns: usize, most_rows: usize) -> Blocks {
-        let (width, height) = (
-            self.width.min(most_columns).max(1),
-            self.height.min(most_rows).max(1),
-        );
+        let (width, height) = (self.width.min(most_columns).max(1), self.height.min(most_rows).max(1));
         let mut narrow = Vec::with_capacity(width * self.height);
         for row in self.values.chunks_exact(self.width) {
             narrow.extend((0..width).map(|block| mean_over(row, 1, block, width)));
@@ -130,11 +102,7 @@ impl Raster<'_> {
                 *value = mean_over(below, width, block, height);
             }
         }
-        Blocks {
-            width,
-            height,
-            values,
-        }
+        Blocks { width, height, values }
     }
 }
 
@@ -143,16 +111,8 @@ fn mean_over(values: &[f64], stride: usize, block: usize, blocks: usize) -> f64 
     let size = values.len().div_ceil(stride) as f64 / blocks as f64;
     let (from, to) = (block as f64 * size, (block + 1) as f64 * size);
     let first = from.floor() as usize;
-    let taken = values
-        .iter()
-        .step_by(stride)
-        .enumerate()
-        .skip(first)
-        .take_while(|(i, _)| (*i as f64) < to);
-    taken
-        .map(|(i, v)| v * (to.min(i as f64 + 1.0) - from.max(i as f64)).max(0.0))
-        .sum::<f64>()
-        / size
+    let taken = values.iter().step_by(stride).enumerate().skip(first).take_while(|(i, _)| (*i as f64) < to);
+    taken.map(|(i, v)| v * (to.min(i as f64 + 1.0) - from.max(i as f64)).max(0.0)).sum::<f64>() / size
 }
 
 #[cfg(test)]
@@ -170,25 +130,13 @@ pub(super) mod tests {
     }
 
     pub fn raster(values: &[f64]) -> Raster<'_> {
-        Raster {
-            width: 96,
-            height: 72,
-            values,
-            quantity: "radiance",
-            unit: "W/(m² sr)",
-            mm_per_pixel: Some(0.3),
-        }
+        Raster { width: 96, height: 72, values, quantity: "radiance", unit: "W/(m² sr)", mm_per_pixel: Some(0.3) }
     }
 
     #[test]
     fn blocks_keep_the_mean_and_the_place() {
         let values = [1.0, 3.0, 10.0, 5.0, 7.0, 20.0];
-        let r = Raster {
-            width: 3,
-            height: 2,
-            values: &values,
-            ..raster(&values)
-        };
+        let r = Raster { width: 3, height: 2, values: &values, ..raster(&values) };
         assert_eq!(r.blocks(3, 2).values, values);
         assert!((r.blocks(1, 1).values[0] - 46.0 / 6.0).abs() < 1e-12);
         let narrow = r.blocks(2, 2);
@@ -201,42 +149,20 @@ pub(super) mod tests {
     #[test]
     fn bad_rasters_are_typed_errors() {
         let short = [0.0; 5];
-        assert!(matches!(
-            raster(&short).check(),
-            Err(PictureError::Size { .. })
-        ));
+        assert!(matches!(raster(&short).check(), Err(PictureError::Size { .. })));
         let mut values = blob(1.0);
         values[7] = f64::NAN;
-        assert!(matches!(
-            raster(&values).check(),
-            Err(PictureError::Number { .. })
-        ));
+        assert!(matches!(raster(&values).check(), Err(PictureError::Number { .. })));
         let good = blob(1.0);
-        let scaled = Raster {
-            mm_per_pixel: Some(0.0),
-            ..raster(&good)
-        };
-        assert!(
-            scaled
-                .check()
-                .unwrap_err()
-                .to_string()
-                .contains("mm per pixel")
-        );
+        let scaled = Raster { mm_per_pixel: Some(0.0), ..raster(&good) };
+        assert!(scaled.check().unwrap_err().to_string().contains("mm per pixel"));
     }
 
     #[test]
     fn label_carries_unit_and_power_of_ten() {
         let values = blob(1.0);
-        assert_eq!(
-            raster(&values).quantity_label(-3),
-            "radiance (10⁻³ W/(m² sr))"
-        );
-        let grey = Raster {
-            quantity: "grey level",
-            unit: "",
-            ..raster(&values)
-        };
+        assert_eq!(raster(&values).quantity_label(-3), "radiance (10⁻³ W/(m² sr))");
+        let grey = Raster { quantity: "grey level", unit: "", ..raster(&values) };
         assert_eq!(grey.quantity_label(0), "grey level");
     }
 }

@@ -34,19 +34,13 @@ pub(super) struct Svg {
 fn coordinate(x: f64) -> String {
     let text = format!("{x:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" {
-        "0".to_owned()
-    } else {
-        text.to_owned()
-    }
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 impl Svg {
     /// A picture of the given size with a title and a line below it; `title` is also its name for screen readers.
     pub fn new(width: f64, height: f64, title: &str, subtitle: &str) -> Self {
-        let mut svg = Self {
-            body: String::new(),
-        };
+        let mut svg = Self { body: String::new() };
         let (w, h) = (coordinate(width), coordinate(height));
         let name = title.render().into_string();
         svg.push(&format!(
@@ -66,9 +60,7 @@ impl Svg {
     /// A rectangle x, y, width, height with SVG attributes.
     pub fn rect(&mut self, [x, y, w, h]: [f64; 4], attributes: &str) {
         let [x, y, w, h] = [x, y, w, h].map(coordinate);
-        self.push(&format!(
-            r#"<rect x="{x}" y="{y}" width="{w}" height="{h}" {attributes}/>"#
-        ));
+        self.push(&format!(r#"<rect x="{x}" y="{y}" width="{w}" height="{h}" {attributes}/>"#));
     }
 
     /// A line with SVG attributes.
@@ -109,12 +101,7 @@ impl Svg {
     /// A line of text running upward.
     pub fn text_upward(&mut self, at: [f64; 2], class: &str, text: &str) {
         let [x, y] = at.map(coordinate);
-        self.text_with(
-            at,
-            Anchor::Middle,
-            &format!(r#"class="{class}" transform="rotate(-90 {x} {y})""#),
-            text,
-        );
+        self.text_with(at, Anchor::Middle, &format!(r#"class="{class}" transform="rotate(-90 {x} {y})""#), text);
     }
 
     /// A line of text with SVG attributes; it is escaped.
@@ -126,21 +113,12 @@ impl Svg {
             Anchor::End => "end",
         };
         let text = text.render().into_string();
-        self.push(&format!(
-            r#"<text x="{x}" y="{y}" text-anchor="{anchor}" {attributes}>{text}</text>"#
-        ));
+        self.push(&format!(r#"<text x="{x}" y="{y}" text-anchor="{anchor}" {attributes}>{text}</text>"#));
     }
 
     /// A bar of the given length with end marks and a label to its right.
     pub fn scale_bar(&mut self, [x, y]: [f64; 2], length: f64, label: &str) {
-        let bar = [
-            [x, y - 5.0],
-            [x, y + 5.0],
-            [x, y],
-            [x + length, y],
-            [x + length, y - 5.0],
-            [x + length, y + 5.0],
-        ];
+        let bar = [[x, y - 5.0], [x, y + 5.0], [x, y], [x + length, y], [x + length, y - 5.0], [x + length, y + 5.0]];
         self.path(&bar, false, r#"class="tt-line" stroke-width="1.6""#);
         self.text([x + length + 10.0, y + 4.5], Anchor::Start, "tt-ink", label);
     }
@@ -155,19 +133,10 @@ impl Svg {
     ) -> Result<(), PictureError> {
         let mut png = Vec::new();
         PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::Adaptive)
-            .write_image(
-                rgb,
-                columns as u32,
-                rows as u32,
-                image::ExtendedColorType::Rgb8,
-            )
+            .write_image(rgb, columns as u32, rows as u32, image::ExtendedColorType::Rgb8)
             .map_err(|e| PictureError::Bitmap(e.to_string()))?;
         let data = STANDARD.encode(png);
-        let rendering = if w >= 3.0 * columns as f64 {
-            r#" style="image-rendering:pixelated""#
-        } else {
-            ""
-        };
+        let rendering = if w >= 3.0 * columns as f64 { r#" style="image-rendering:pixelated""# } else { "" };
         let [x, y, w, h] = [x, y, w, h].map(coordinate);
         self.push(&format!(
             r#"<image x="{x}" y="{y}" width="{w}" height="{h}" preserveAspectRatio="none"{rendering} href="data:image/png;base64,{data}"/>"#
@@ -194,11 +163,7 @@ pub(super) fn assert_well_formed(svg: &str) {
     let mut open = Vec::new();
     for tag in svg.split('<').skip(1) {
         let tag = tag.split('>').next().unwrap_or_default();
-        let name: String = tag
-            .trim_start_matches('/')
-            .chars()
-            .take_while(|c| c.is_alphanumeric())
-            .collect();
+        let name: String = tag.trim_start_matches('/').chars().take_while(|c| c.is_alphanumeric()).collect();
         if tag.starts_with('/') {
             assert_eq!(open.pop(), Some(name), "{tag}");
         } else if !tag.ends_with('/') {
@@ -206,10 +171,7 @@ pub(super) fn assert_well_formed(svg: &str) {
         }
     }
     assert!(open.is_empty(), "{open:?} left open");
-    assert!(
-        !svg.contains("NaN") && !svg.contains("inf\""),
-        "a coordinate is not finite"
-    );
+    assert!(!svg.contains("NaN") && !svg.contains("inf\""), "a coordinate is not finite");
 }
 
 #[cfg(test)]

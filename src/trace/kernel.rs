@@ -23,6 +23,8 @@ pub struct Kernel {
     pub share_grid: bool,
     /// Some LED has a tabulated pattern.
     pub led_tables: bool,
+    /// Some LED's pattern is a power of the cosine other than 1.
+    pub cosine_power: bool,
     /// The camera has a lens of finite size.
     pub lens: bool,
 }
@@ -59,6 +61,7 @@ impl Kernel {
             spreading: model.tissue.as_ref().is_some_and(|t| t.spread_d > zero),
             share_grid: model.tissue.as_ref().is_some_and(|t| !t.grid.is_empty()),
             led_tables: model.leds.iter().any(|l| l.table.is_some()),
+            cosine_power: model.leds.iter().any(|l| l.exponent != T::one()),
             lens: model.camera.lens_radius > zero,
         }
     }
@@ -69,7 +72,7 @@ impl Kernel {
     }
 
     /// Names of the pieces, and whether each is in.
-    pub fn pieces(&self) -> [(&'static str, bool); 12] {
+    pub fn pieces(&self) -> [(&'static str, bool); 13] {
         [
             ("spherical cap", self.shape == ShapePiece::Cap),
             ("height fields", self.shape == ShapePiece::Field),
@@ -82,6 +85,7 @@ impl Kernel {
             ("sideways spread in tissue", self.spreading),
             ("contact share grid", self.share_grid),
             ("tabulated LED patterns", self.led_tables),
+            ("cosine-power LED patterns", self.cosine_power),
             ("thin lens", self.lens),
         ]
     }

@@ -13,13 +13,7 @@ struct Grid<'a> {
 
 impl Grid<'_> {
     fn height(&self, column: usize, row: usize) -> f64 {
-        self.stage.height(
-            self.blocks
-                .values
-                .get(row * self.blocks.width + column)
-                .copied()
-                .unwrap_or(0.0),
-        )
+        self.stage.height(self.blocks.values.get(row * self.blocks.width + column).copied().unwrap_or(0.0))
     }
 
     /// Place from -1 to 1 along an axis of `count` vertices.
@@ -33,8 +27,7 @@ impl Grid<'_> {
 
     fn at(&self, column: usize, row: usize, z: f64) -> [f64; 2] {
         let y = -Self::place(row, self.blocks.height);
-        self.stage
-            .project(Self::place(column, self.blocks.width), y, z)
+        self.stage.project(Self::place(column, self.blocks.width), y, z)
     }
 
     fn vertex(&self, column: usize, row: usize) -> [f64; 2] {
@@ -43,11 +36,8 @@ impl Grid<'_> {
 
     /// Colour of the cell whose upper left vertex is given.
     fn cell_color(&self, column: usize, row: usize) -> [u8; 3] {
-        let [a, b, c, d] =
-            [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| self.height(column + i, row + j));
-        let rise = |change: f64, count: usize, half: f64| {
-            change * BOX_HEIGHT * count as f64 / (2.0 * half)
-        };
+        let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| self.height(column + i, row + j));
+        let rise = |change: f64, count: usize, half: f64| change * BOX_HEIGHT * count as f64 / (2.0 * half);
         let slope_x = rise((b - a) + (c - d), self.blocks.width, self.stage.half[0]);
         let slope_y = rise((a - d) + (b - c), self.blocks.height, self.stage.half[1]);
         shaded(color(0.25 * (a + b + c + d)), slope_x, slope_y)
@@ -65,8 +55,7 @@ pub(super) fn draw(svg: &mut Svg, stage: &Stage, blocks: &Blocks) {
             let fill = grid.cell_color(column, row);
             if column + 2 == columns || grid.cell_color(column + 1, row) != fill {
                 let upper = straightened((start..=column + 1).map(|c| grid.vertex(c, row)));
-                let lower =
-                    straightened((start..=column + 1).rev().map(|c| grid.vertex(c, row + 1)));
+                let lower = straightened((start..=column + 1).rev().map(|c| grid.vertex(c, row + 1)));
                 fill_path(svg, &[upper, lower].concat(), fill);
                 start = column + 1;
             }
@@ -75,16 +64,10 @@ pub(super) fn draw(svg: &mut Svg, stage: &Stage, blocks: &Blocks) {
     // Dark sides close the body where the values do not fall to the floor.
     if columns > 1 && rows > 1 {
         let front = straightened((0..columns).map(|c| grid.vertex(c, rows - 1)));
-        let feet = [
-            grid.at(columns - 1, rows - 1, 0.0),
-            grid.at(0, rows - 1, 0.0),
-        ];
+        let feet = [grid.at(columns - 1, rows - 1, 0.0), grid.at(0, rows - 1, 0.0)];
         fill_path(svg, &[front, feet.to_vec()].concat(), [44, 26, 62]);
         let side = straightened((0..rows).map(|r| grid.vertex(columns - 1, r)));
-        let feet = [
-            grid.at(columns - 1, rows - 1, 0.0),
-            grid.at(columns - 1, 0, 0.0),
-        ];
+        let feet = [grid.at(columns - 1, rows - 1, 0.0), grid.at(columns - 1, 0, 0.0)];
         fill_path(svg, &[side, feet.to_vec()].concat(), [28, 16, 40]);
     }
     svg.end_group();
@@ -101,8 +84,7 @@ fn straightened(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     for p in points {
         if let [.., a, b] = kept[..] {
             let [along, aside] = [[p[0] - a[0], p[1] - a[1]], [b[0] - a[0], b[1] - a[1]]];
-            let distance =
-                (along[0] * aside[1] - along[1] * aside[0]).abs() / along[0].hypot(along[1]);
+            let distance = (along[0] * aside[1] - along[1] * aside[0]).abs() / along[0].hypot(along[1]);
             // A twentieth of a pixel is not seen.
             if distance < 0.05 {
                 kept.pop();

@@ -79,13 +79,7 @@ pub enum Fate {
 }
 
 impl Fate {
-    const ALL: [Self; 5] = [
-        Self::Guided,
-        Self::Scattered,
-        Self::EscapedBottom,
-        Self::EscapedTop,
-        Self::Absorbed,
-    ];
+    const ALL: [Self; 5] = [Self::Guided, Self::Scattered, Self::EscapedBottom, Self::EscapedTop, Self::Absorbed];
 
     /// Colour (near the Okabe-Ito set, told apart without colour vision), dashes, and name.
     fn look(self) -> (&'static str, &'static str, &'static str) {
@@ -124,11 +118,7 @@ impl Frame {
         let lowest = view.view_edge_mm.iter().map(|p| p[1]).fold(0.0, f64::min);
         // A band of surround above so that escaping rays are seen to escape.
         let highest = highest + 0.1 * view.half_width_mm;
-        let widest = view
-            .leds
-            .iter()
-            .map(|led| led.x_mm.abs())
-            .fold(view.half_width_mm, f64::max);
+        let widest = view.leds.iter().map(|led| led.x_mm.abs()).fold(view.half_width_mm, f64::max);
         let scale = (DRAWING[0] / (2.0 * widest)).min(DRAWING[1] / (highest - lowest));
         let left = 24.0 + LED_PX + 8.0;
         let (width, height) = (2.0 * widest * scale, (highest - lowest) * scale);
@@ -144,10 +134,7 @@ impl Frame {
     }
 
     fn at(&self, [x, z]: [f64; 2]) -> [f64; 2] {
-        [
-            self.origin[0] + x * self.scale,
-            self.origin[1] - z * self.scale,
-        ]
+        [self.origin[0] + x * self.scale, self.origin[1] - z * self.scale]
     }
 
     fn polyline(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
@@ -165,22 +152,13 @@ pub fn side_view(view: &SideView) -> Result<String, PictureError> {
     let width = frame.right + LED_PX + 26.0 + labels::margin_px(view) + 24.0;
     let legend = labels::legend_rows(view, width - 48.0);
     let legend_top = frame.bottom + CAMERA_PX + 44.0;
-    let mut svg = Svg::new(
-        width,
-        legend_top + 22.0 * legend.len() as f64 + 8.0,
-        &view.title,
-        &view.subtitle,
-    );
+    let mut svg = Svg::new(width, legend_top + 22.0 * legend.len() as f64 + 8.0, &view.title, &view.subtitle);
     stack::bands(&mut svg, view, &frame);
     stack::field_of_view(&mut svg, view, &frame);
     stack::tissue(&mut svg, view, &frame);
     stack::rays(&mut svg, view, &frame);
     for interface in &view.interfaces_mm {
-        svg.path(
-            &frame.polyline(interface),
-            false,
-            r##"fill="none" stroke="#3b5b7a" stroke-width="1""##,
-        );
+        svg.path(&frame.polyline(interface), false, r##"fill="none" stroke="#3b5b7a" stroke-width="1""##);
     }
     stack::leds(&mut svg, view, &frame);
     stack::camera(&mut svg, view, &frame);
@@ -192,39 +170,16 @@ pub fn side_view(view: &SideView) -> Result<String, PictureError> {
 }
 
 fn check(view: &SideView) -> Result<(), PictureError> {
-    let number = |what, value: f64, allowed| {
-        Err(PictureError::Number {
-            what,
-            value,
-            allowed,
-        })
-    };
+    let number = |what, value: f64, allowed| Err(PictureError::Number { what, value, allowed });
     if !(view.half_width_mm > 0.0 && view.half_width_mm.is_finite()) {
-        return number(
-            "half width of the side view",
-            view.half_width_mm,
-            "finite and above 0",
-        );
+        return number("half width of the side view", view.half_width_mm, "finite and above 0");
     }
     if view.interfaces_mm.len() != view.layers.len() + 1 {
-        return number(
-            "number of interfaces",
-            view.interfaces_mm.len() as f64,
-            "one more than that of layers",
-        );
+        return number("number of interfaces", view.interfaces_mm.len() as f64, "one more than that of layers");
     }
-    let planar = view
-        .interfaces_mm
-        .iter()
-        .flatten()
-        .chain(&view.view_edge_mm)
-        .chain(&view.contact_mm)
-        .flatten();
+    let planar = view.interfaces_mm.iter().flatten().chain(&view.view_edge_mm).chain(&view.contact_mm).flatten();
     let spatial = view.rays.iter().flat_map(|ray| &ray.points_mm).flatten();
-    let leds = view
-        .leds
-        .iter()
-        .flat_map(|led| [&led.x_mm, &led.z_mm, &led.diameter_mm]);
+    let leds = view.leds.iter().flat_map(|led| [&led.x_mm, &led.z_mm, &led.diameter_mm]);
     match planar.chain(spatial).chain(leds).find(|v| !v.is_finite()) {
         Some(&value) => number("a coordinate of the side view", value, "finite"),
         None => Ok(()),

@@ -3,17 +3,10 @@ use super::labels::spread;
 use super::*;
 
 fn paper_side() -> SideView {
-    let layer = |name: &str, n, thickness_mm| SideLayer {
-        name: name.into(),
-        n,
-        thickness_mm,
-    };
+    let layer = |name: &str, n, thickness_mm| SideLayer { name: name.into(), n, thickness_mm };
     let face = |z: f64, share: f64| {
         let dent = |x: f64| 2.0 * share * (-x * x / 18.0).exp();
-        (0..=120)
-            .map(|i| f64::from(i) * 0.25 - 15.0)
-            .map(|x| [x, z - dent(x)])
-            .collect::<Vec<_>>()
+        (0..=120).map(|i| f64::from(i) * 0.25 - 15.0).map(|x| [x, z - dent(x)]).collect::<Vec<_>>()
     };
     SideView {
         title: "Stack from the side".into(),
@@ -25,47 +18,18 @@ fn paper_side() -> SideView {
             layer("PDMS, softest", 1.39, 5.0),
             layer("glass", 1.38, 2.0),
         ],
-        interfaces_mm: vec![
-            face(12.0, 1.0),
-            face(10.0, 0.8),
-            face(7.0, 0.5),
-            face(2.0, 0.0),
-            face(0.0, 0.0),
-        ],
+        interfaces_mm: vec![face(12.0, 1.0), face(10.0, 0.8), face(7.0, 0.5), face(2.0, 0.0), face(0.0, 0.0)],
         surround_n: 1.0,
-        view_edge_mm: vec![
-            [0.0, -17.32],
-            [10.0, 0.0],
-            [10.8, 2.0],
-            [12.7, 7.0],
-            [13.8, 10.0],
-            [14.5, 12.0],
-        ],
+        view_edge_mm: vec![[0.0, -17.32], [10.0, 0.0], [10.8, 2.0], [12.7, 7.0], [13.8, 10.0], [14.5, 12.0]],
         leds: vec![
-            SideLed {
-                x_mm: -15.0,
-                z_mm: 6.0,
-                diameter_mm: 3.0,
-            },
-            SideLed {
-                x_mm: 15.0,
-                z_mm: 6.0,
-                diameter_mm: 3.0,
-            },
+            SideLed { x_mm: -15.0, z_mm: 6.0, diameter_mm: 3.0 },
+            SideLed { x_mm: 15.0, z_mm: 6.0, diameter_mm: 3.0 },
         ],
         contact_mm: vec![[-4.0, 4.0]],
         rays: vec![
+            RayPolyline { points_mm: vec![[-15.0, 0.0, 6.0], [-3.0, 0.0, 0.0], [15.0, 0.0, 9.0]], fate: Fate::Guided },
             RayPolyline {
-                points_mm: vec![[-15.0, 0.0, 6.0], [-3.0, 0.0, 0.0], [15.0, 0.0, 9.0]],
-                fate: Fate::Guided,
-            },
-            RayPolyline {
-                points_mm: vec![
-                    [-15.0, 0.0, 5.5],
-                    [-1.0, 0.0, 10.1],
-                    [3.0, 0.0, 0.0],
-                    [6.0, 0.0, -8.0],
-                ],
+                points_mm: vec![[-15.0, 0.0, 5.5], [-1.0, 0.0, 10.1], [3.0, 0.0, 0.0], [6.0, 0.0, -8.0]],
                 fate: Fate::Scattered,
             },
             RayPolyline {
@@ -94,10 +58,7 @@ fn side_view_labels_layers_and_counts_rays_by_fate() {
     ] {
         assert!(svg.contains(&format!(">{text}<")), "{text}");
     }
-    assert!(
-        !svg.contains("escaped below"),
-        "only fates that occur are in the legend"
-    );
+    assert!(!svg.contains("escaped below"), "only fates that occur are in the legend");
 }
 
 #[test]
@@ -111,16 +72,10 @@ fn both_axes_have_one_scale() {
 #[test]
 fn labels_keep_their_gap_their_order_and_their_places_where_they_can() {
     let placed = spread(&[100.0, 101.0, 102.0, 300.0], 36.0, 50.0);
-    assert!(
-        placed.windows(2).all(|p| p[1] - p[0] >= 36.0 - 1e-9),
-        "{placed:?}"
-    );
+    assert!(placed.windows(2).all(|p| p[1] - p[0] >= 36.0 - 1e-9), "{placed:?}");
     assert_eq!(placed[3], 300.0);
     // The cluster's mean stays at the wished mean.
-    assert!(
-        (placed[..3].iter().sum::<f64>() / 3.0 - 101.0).abs() < 1e-9,
-        "{placed:?}"
-    );
+    assert!((placed[..3].iter().sum::<f64>() / 3.0 - 101.0).abs() < 1e-9, "{placed:?}");
     assert_eq!(spread(&[10.0, 11.0], 36.0, 50.0), [50.0, 86.0]);
 }
 
@@ -131,10 +86,7 @@ fn thin_layers_are_labelled_without_overlap() {
     view.interfaces_mm[2] = view.interfaces_mm[1].clone();
     let svg = side_view(&view).unwrap();
     assert_well_formed(&svg);
-    assert!(
-        svg.contains("10 × 10⁻⁶ mm") || svg.contains("10.0 × 10⁻⁶ mm"),
-        "thickness in full"
-    );
+    assert!(svg.contains("10 × 10⁻⁶ mm") || svg.contains("10.0 × 10⁻⁶ mm"), "thickness in full");
 }
 
 #[test]
