@@ -50,6 +50,7 @@ struct Run {
 @group(0) @binding(1) var<uniform> run: Run;
 
 override DEFORMED: bool = false;
+override DEFORMED_PAIRS: bool = false;   // both faces of some layer are deformed
 override ABSORBING: bool = false;
 override CLEAR_WALLS: bool = false;
 override MIRROR_WALLS: bool = false;

@@ -4,6 +4,8 @@
 
 @group(0) @binding(8) var<storage, read> field: array<vec4f>;
 
+var<private> field_slope: vec2f;
+
 fn spline(u: f32) -> vec4f {
     let v = 1.0 - u;
     return vec4f(v * v * v, (3.0 * u - 6.0) * u * u + 4.0, (3.0 * v - 6.0) * v * v + 4.0, u * u * u) * (1.0 / 6.0);
@@ -50,7 +52,11 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
         let slope = side * (h.y * p.x + h.z * p.y - p.z);
         let root = sqrt(slope * slope + 2.0 * k * g);
         let step = select((root + slope) / k, 2.0 * g / (root - slope), slope < 0.0);
-        if (slope < 0.0 && step < 1e-6) { return t; }
+        // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k step.
+        if (slope < 0.0 && step < 1e-5) {
+            field_slope = h.yz;
+            return t + step;
+        }
         t += max(step, 1e-7);
         let z = zeta + t * p.z;
         if ((near - z) * side > 0.0 && p.z * side <= 0.0) { return FAR; }
@@ -59,8 +65,11 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
     return FAR;
 }
 
-fn surface_normal(i: u32, o: vec3f) -> vec3f {
-    return normalize(vec3f(-field_at(i, o.xy).yz, 1.0));
-}
+// At the crossing just found.
+fn surface_normal(i: u32, o: vec3f) -> vec3f { return normalize(vec3f(-field_slope, 1.0)); }
 
-fn surface_height(i: u32, xy: vec2f) -> f32 { return face_z(i) + field_at(i, xy).x; }
+fn surface_height(i: u32, xy: vec2f) -> f32 {
+    let h = field_at(i, xy);
+    field_slope = h.yz;
+    return face_z(i) + h.x;
+}

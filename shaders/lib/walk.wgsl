@@ -6,8 +6,35 @@ fn safe_divide(a: f32, b: f32) -> f32 { return select(a / b, FAR, b == 0.0); }
 // First crossing of interface i from below (side 1) or above (side -1).
 fn cross_face(i: u32, side: f32, t_max: f32) -> f32 {
     if (face_share(i) != 0.0) { return surface_cross(i, path.o, path.p, side, t_max); }
+    return cross_plane(i, side);
+}
+
+fn cross_plane(i: u32, side: f32) -> f32 {
     let t = select(FAR, (face_z(i) - path.o.z) / path.p.z, path.p.z * side > 0.0);
     return max(t, 0.0);
+}
+
+struct Crossing { t: f32, up: bool }
+
+// First crossing of the path's layer's two faces.
+fn cross_layer(t_wall: f32) -> Crossing {
+    let top = scene.layer_count;
+    let above = min(path.layer, top);
+    let below = path.layer - 1u;
+    if (DEFORMED_PAIRS) {
+        let t_up = select(FAR, cross_face(above, 1.0, t_wall), path.layer <= top);
+        let t_down = cross_face(below, -1.0, min(t_wall, t_up));
+        return Crossing(min(t_up, t_down), t_up < t_down);
+    }
+    // At most one of a layer's faces is deformed: one search serves whichever it is.
+    let curved_up = path.layer <= top && face_share(above) != 0.0;
+    let curved = select(below, above, curved_up);
+    let side = select(-1.0, 1.0, curved_up);
+    let flat_up = select(FAR, cross_plane(above, 1.0), path.layer <= top);
+    let t_flat = select(flat_up, cross_plane(below, -1.0), curved_up);
+    var t_curved = select(cross_plane(below, -1.0), FAR, curved_up);
+    if (face_share(curved) != 0.0) { t_curved = surface_cross(curved, path.o, path.p, side, min(t_wall, t_flat)); }
+    return Crossing(min(t_flat, t_curved), select(t_flat < t_curved, t_curved < t_flat, curved_up));
 }
 
 // Reflection or refraction at interface i with unit normal `normal` (upward), met from below (side 1) or above (-1).
@@ -111,12 +138,10 @@ fn walk() -> u32 {
         var i: u32;
         var side: f32;
         if (DEFORMED) {
-            let t_up = select(FAR, cross_face(min(path.layer, top), 1.0, t_wall), path.layer <= top);
-            let t_down = cross_face(path.layer - 1u, -1.0, min(t_wall, t_up));
-            let up = t_up < t_down;
-            t_face = min(t_up, t_down);
-            i = select(path.layer - 1u, path.layer, up);
-            side = select(-1.0, 1.0, up);
+            let crossing = cross_layer(t_wall);
+            t_face = crossing.t;
+            i = select(path.layer - 1u, path.layer, crossing.up);
+            side = select(-1.0, 1.0, crossing.up);
             if (lost_here()) { return END_LOST; }
         } else {
             let up = p.z > 0.0;

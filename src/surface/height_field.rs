@@ -71,27 +71,31 @@ impl HeightField {
 
     /// Proven bound on the second derivative along any unit direction, per mm.
     ///
-    /// The second derivatives of the spline are convex combinations of second differences of its control points.
+    /// In a cell the second derivatives are convex combinations of second differences of its 4 x 4 control points; the
+    /// bound is the largest norm of such a Hessian.
     pub fn curvature_bound(&self) -> f64 {
         let width = self.columns + 2;
         let at = |x: usize, y: usize| self.control[y * width + x];
         let [sx, sy] = self.per_mm;
-        let (mut xx, mut xy, mut yy) = (0.0f64, 0.0f64, 0.0f64);
-        for y in 0..self.rows + 2 {
-            for x in 0..width {
-                if x + 2 < width {
-                    xx = xx.max((at(x, y) - 2.0 * at(x + 1, y) + at(x + 2, y)).abs() * sx * sx);
-                }
-                if y + 2 < self.rows + 2 {
-                    yy = yy.max((at(x, y) - 2.0 * at(x, y + 1) + at(x, y + 2)).abs() * sy * sy);
-                }
-                if x + 1 < width && y + 1 < self.rows + 2 {
-                    let mixed = at(x, y) - at(x + 1, y) - at(x, y + 1) + at(x + 1, y + 1);
-                    xy = xy.max(mixed.abs() * sx * sy);
-                }
-            }
-        }
-        (xx * xx + 2.0 * xy * xy + yy * yy).sqrt()
+        let largest = |differences: &mut dyn Iterator<Item = f64>| differences.map(f64::abs).fold(0.0, f64::max);
+        let cell = |x: usize, y: usize| {
+            let xx = largest(&mut (0..8).map(|k| {
+                let (i, j) = (x + k % 2, y + k / 2);
+                (at(i, j) - 2.0 * at(i + 1, j) + at(i + 2, j)) * sx * sx
+            }));
+            let yy = largest(&mut (0..8).map(|k| {
+                let (i, j) = (x + k / 2, y + k % 2);
+                (at(i, j) - 2.0 * at(i, j + 1) + at(i, j + 2)) * sy * sy
+            }));
+            let xy = largest(&mut (0..9).map(|k| {
+                let (i, j) = (x + k % 3, y + k / 3);
+                (at(i, j) - at(i + 1, j) - at(i, j + 1) + at(i + 1, j + 1)) * sx * sy
+            }));
+            // Largest eigenvalue of [[xx, xy], [xy, yy]].
+            0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy)
+        };
+        let cells = (0..self.columns - 1).flat_map(|x| (0..self.rows - 1).map(move |y| (x, y)));
+        cells.map(|(x, y)| cell(x, y)).fold(0.0, f64::max)
     }
 
     /// Displacement and its gradient at a point of the footprint (centre at the origin). mm and mm/mm.

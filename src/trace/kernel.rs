@@ -7,6 +7,8 @@ use super::model::{Model, Real, Shape, Walls};
 pub struct Kernel {
     /// Representation of deformed interfaces.
     pub shape: ShapePiece,
+    /// Both faces of some layer are deformed.
+    pub deformed_pairs: bool,
     /// Some layer absorbs.
     pub absorbing: bool,
     /// Side walls are clear.
@@ -53,6 +55,7 @@ impl Kernel {
                 Shape::Field(_) => ShapePiece::Field,
                 Shape::Mesh(_) => ShapePiece::Mesh,
             },
+            deformed_pairs: model.faces.windows(2).any(|pair| pair.iter().all(|f| f.share != zero)),
             absorbing: model.layers.iter().any(|l| l.absorption > zero),
             clear_walls: model.walls == Walls::Clear,
             mirror_walls: model.walls == Walls::Mirror,
@@ -72,11 +75,12 @@ impl Kernel {
     }
 
     /// Names of the pieces, and whether each is in.
-    pub fn pieces(&self) -> [(&'static str, bool); 13] {
+    pub fn pieces(&self) -> [(&'static str, bool); 14] {
         [
             ("spherical cap", self.shape == ShapePiece::Cap),
             ("height fields", self.shape == ShapePiece::Field),
             ("triangle mesh", self.shape == ShapePiece::Mesh),
+            ("search on both faces of a layer", self.deformed_pairs),
             ("absorption", self.absorbing),
             ("clear walls", self.clear_walls),
             ("mirror walls", self.mirror_walls),

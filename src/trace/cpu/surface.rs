@@ -37,10 +37,8 @@ impl<T: Real> Path<'_, T> {
                 let zeta = (o.z - self.model.faces[i].z) / share - (cap.ball - cap.depth);
                 v3(-x, -y, -zeta / share).normalize()
             }
-            Shape::Field(field) => {
-                let h = self.field_at(field, i, o.x, o.y);
-                v3(-h[1], -h[2], T::one()).normalize()
-            }
+            // At the crossing just found.
+            Shape::Field(_) => v3(-self.field_slope[0], -self.field_slope[1], T::one()).normalize(),
             Shape::Mesh(_) => {
                 let [smooth, facet] = self.mesh_normals;
                 let side = self.p.dot(facet);
@@ -63,7 +61,11 @@ impl<T: Real> Path<'_, T> {
                 let h = cap.ball - cap.depth - (cap.ball * cap.ball - r_sq).max(T::zero()).sqrt();
                 face.z + face.share * if r_sq < cap.rim_sq { h } else { T::zero() }
             }
-            Shape::Field(field) => face.z + self.field_at(field, i, x, y)[0],
+            Shape::Field(field) => {
+                let h = self.field_at(field, i, x, y);
+                self.field_slope = [h[1], h[2]];
+                face.z + h[0]
+            }
             Shape::Mesh(mesh) => {
                 let low = face.z + face.low - T::one();
                 let t = self.mesh_cross(mesh, v3(x, y, low), V3::up(), T::one(), far());
@@ -137,8 +139,10 @@ impl<T: Real> Path<'_, T> {
             let slope = side * (h[1] * p.x + h[2] * p.y - p.z);
             let root = (slope * slope + two * k * g).sqrt();
             let step = if slope < zero { two * g / (root - slope) } else { (root + slope) / k };
-            if slope < zero && step < c(1e-6) {
-                return t;
+            // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k step.
+            if slope < zero && step < c(1e-5) {
+                self.field_slope = [h[1], h[2]];
+                return t + step;
             }
             t = t + step.max(c(1e-7));
             let z = zeta + t * p.z;

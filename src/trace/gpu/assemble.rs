@@ -112,6 +112,7 @@ fn accessor(text: &mut String, name: &str, kind: &str, values: impl Iterator<Ite
 pub fn constants(kernel: &Kernel, entry: Entry) -> Vec<(&'static str, f64)> {
     let mut constants = vec![
         ("DEFORMED", kernel.deformed()),
+        ("DEFORMED_PAIRS", kernel.deformed_pairs),
         ("ABSORBING", kernel.absorbing),
         ("CLEAR_WALLS", kernel.clear_walls),
         ("MIRROR_WALLS", kernel.mirror_walls),
