@@ -151,7 +151,7 @@ fn launch() -> u32 {
     let b_sq = dn_sq + a * a;
     let f = reflectance(a, dn_sq, n_sq);
     let u = draw();
-    record(256u + wall * 2u + select(0u, 1u, u < f), abs(u - f));
+    record(256u + wall * 2u + select(1u, 0u, u < f), abs(u - f));
     if (u < f) { return END_SIDES; }
     path.p -= (sqrt(b_sq) - a) * out;
     return GOES_ON;
