@@ -45,13 +45,17 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
     var t = select(0.0, (near - zeta) / p.z, outside);
     if (outside && p.z * side <= 0.0) { return FAR; }
     let k = max(face_curvature(i) * dot(p.xy, p.xy), 1e-12);
-    for (var n = 0u; n < 256u; n += 1u) {
+    for (var n = 0u; n < 1024u; n += 1u) {
         if (t >= t_max) { return FAR; }
         let h = field_at(i, o.xy + t * p.xy);
         let g = max(side * (h.x - (zeta + t * p.z)), 0.0);
         let slope = side * (h.y * p.x + h.z * p.y - p.z);
-        let root = sqrt(slope * slope + 2.0 * k * g);
-        let step = select((root + slope) / k, 2.0 * g / (root - slope), slope < 0.0);
+        // Leaving or along the surface the gap counts as the rounding of a height at least, and for a ray that still runs
+        // in the surface as more, up to 1e-4 mm, so that it gets on.
+        let least = min(1e-6 + 4e-9 * f32(n * n), 1e-4);
+        let gap = select(max(g, least), g, slope < 0.0);
+        let root = sqrt(slope * slope + 2.0 * k * gap);
+        let step = select((root + slope) / k, 2.0 * gap / (root - slope), slope < 0.0);
         // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k step.
         if (slope < 0.0 && step < 1e-5) {
             field_slope = h.yz;
