@@ -12,7 +12,7 @@ fn facet(normal: vec3f, side: f32, alpha: f32, layer: u32) -> vec3f {
     let axis = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(up.x) > 0.7);
     let t1 = normalize(cross(axis, up));
     let t2 = cross(up, t1);
-    let w = -path.p / layers[layer].n;
+    let w = -path.p / layer_n(layer);
     let local = vec3f(dot(w, t1), dot(w, t2), max(dot(w, up), 1e-6));
     let v = normalize(vec3f(alpha * local.xy, local.z));
     let flat_sq = dot(v.xy, v.xy);
@@ -38,7 +38,7 @@ fn smith_lambda(cos_sq: f32, alpha: f32) -> f32 {
 fn shadow(i: u32, normal: vec3f, cos_in: f32, n_out: f32, out_side: f32, correlated: bool) {
     let before = path.weight;
     let cos_out = dot(path.p, normal) / n_out;
-    let alpha = faces[i].alpha;
+    let alpha = face_alpha(i);
     let l_in = smith_lambda(cos_in * cos_in, alpha);
     let l_out = smith_lambda(cos_out * cos_out, alpha);
     // Reflection: height-correlated Smith; transmission: separable.
@@ -48,8 +48,8 @@ fn shadow(i: u32, normal: vec3f, cos_in: f32, n_out: f32, out_side: f32, correla
 }
 
 fn bounce(i: u32, normal: vec3f, m: vec3f, side: f32, a: f32) {
-    if (faces[i].kind == ROUGH_MICROFACET) {
-        let n = layers[path.layer].n;
+    if (face_kind(i) == ROUGH_MICROFACET) {
+        let n = layer_n(path.layer);
         let cos_in = dot(path.p, normal) / n;
         mirror(m);
         shadow(i, normal, cos_in, n, -side, true);
@@ -57,8 +57,8 @@ fn bounce(i: u32, normal: vec3f, m: vec3f, side: f32, a: f32) {
     }
     var f = m;
     let incoming = path.p;
-    if (faces[i].kind == ROUGH_SMALL && draw() >= exp(-faces[i].rough * a * a)) {
-        f = facet(normal, side, faces[i].alpha, path.layer);
+    if (face_kind(i) == ROUGH_SMALL && draw() >= exp(-face_rough(i) * a * a)) {
+        f = facet(normal, side, face_alpha(i), path.layer);
     }
     mirror(f);
     // A lobe direction that would cross the interface falls back to the mirror direction.
@@ -70,11 +70,11 @@ fn bounce(i: u32, normal: vec3f, m: vec3f, side: f32, a: f32) {
 
 fn refract_through(i: u32, normal: vec3f, m: vec3f, side: f32, a: f32, b: f32) {
     let next = u32(i32(path.layer) + i32(side));
-    let cos_in = dot(path.p, normal) / layers[path.layer].n;
-    if (faces[i].kind == ROUGH_SMALL && draw() >= exp(-0.25 * faces[i].rough * (a - b) * (a - b))) {
-        let f = facet(normal, side, faces[i].alpha, path.layer);
+    let cos_in = dot(path.p, normal) / layer_n(path.layer);
+    if (face_kind(i) == ROUGH_SMALL && draw() >= exp(-0.25 * face_rough(i) * (a - b) * (a - b))) {
+        let f = facet(normal, side, face_alpha(i), path.layer);
         let along = abs(dot(path.p, f));
-        let b_sq = faces[i].dn_sq * side + along * along;
+        let b_sq = face_dn_sq(i) * side + along * along;
         let q = path.p + side * (sqrt(max(b_sq, 0.0)) - along) * f;
         if (b_sq > 0.0 && dot(q, normal) * side > 0.0) {
             path.p = q;
@@ -82,5 +82,5 @@ fn refract_through(i: u32, normal: vec3f, m: vec3f, side: f32, a: f32, b: f32) {
         }
     }
     path.p += side * (b - a) * m;
-    if (faces[i].kind == ROUGH_MICROFACET) { shadow(i, normal, cos_in, layers[next].n, side, false); }
+    if (face_kind(i) == ROUGH_MICROFACET) { shadow(i, normal, cos_in, layer_n(next), side, false); }
 }

@@ -127,6 +127,8 @@ pub struct Path<'m, T: Real> {
     pub normal: V3<T>,
     /// A surface search did not converge.
     pub lost: bool,
+    /// Slope of the height field at the last hit.
+    pub field_slope: [T; 2],
     /// Normals of the mesh at the last hit: interpolated, facet.
     pub mesh_normals: [V3<T>; 2],
     /// Ledger, in units of 1 / [`UNIT`] photon.
@@ -155,6 +157,7 @@ impl<'m, T: Real> Path<'m, T> {
             reflected: false,
             normal: V3::up(),
             lost: false,
+            field_slope: [T::zero(); 2],
             mesh_normals: [V3::up(); 2],
             tally: [0; book::SLOTS],
             events: None,

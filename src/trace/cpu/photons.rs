@@ -187,7 +187,8 @@ impl<T: Real> Path<'_, T> {
         }
     }
 
-    fn photon_touch(&mut self) -> End {
+    /// At tissue: leaves light behind, and says how the photon goes on.
+    pub fn photon_touch(&mut self) -> End {
         let one = T::one();
         let a = self.p.dot(self.normal).abs();
         let r = self.boundary(self.o.x, self.o.y, a);

@@ -12,11 +12,34 @@ fn safe_divide<T: Real>(a: T, b: T) -> T {
 
 impl<T: Real> Path<'_, T> {
     fn cross_face(&mut self, i: usize, side: T, t_max: T) -> T {
-        let face = self.model.faces[i];
-        if face.share != T::zero() {
+        if self.model.faces[i].share != T::zero() {
             return self.surface_cross(i, self.o, self.p, side, t_max);
         }
-        if self.p.z * side > T::zero() { ((face.z - self.o.z) / self.p.z).max(T::zero()) } else { far() }
+        self.cross_plane(i, side)
+    }
+
+    fn cross_plane(&self, i: usize, side: T) -> T {
+        if self.p.z * side > T::zero() { ((self.model.faces[i].z - self.o.z) / self.p.z).max(T::zero()) } else { far() }
+    }
+
+    /// First crossing of the layer's two faces, and whether it is the upper one.
+    fn cross_layer(&mut self, t_wall: T) -> (T, bool) {
+        let (top, one) = (self.top(), T::one());
+        let (above, below) = (self.layer, self.layer - 1);
+        let curved = |i: usize| i <= top && self.model.faces[i].share != T::zero();
+        if !curved(above) && curved(below) {
+            let t_up = if above <= top { self.cross_plane(above, one) } else { far() };
+            let t_down = self.cross_face(below, -one, t_wall.min(t_up));
+            return (t_up.min(t_down), t_up < t_down);
+        }
+        if curved(above) && !curved(below) {
+            let t_down = self.cross_plane(below, -one);
+            let t_up = self.cross_face(above, one, t_wall.min(t_down));
+            return (t_up.min(t_down), t_up < t_down);
+        }
+        let t_up = if above <= top { self.cross_face(above, one, t_wall) } else { far() };
+        let t_down = self.cross_face(below, -one, t_wall.min(t_up));
+        (t_up.min(t_down), t_up < t_down)
     }
 
     /// Reflection or refraction at interface `i`; true when transmitted.
@@ -129,85 +152,88 @@ impl<T: Real> Path<'_, T> {
 
     /// Walks to the next wall, exit or tissue.
     pub fn walk(&mut self) -> End {
+        loop {
+            match self.step() {
+                End::GoesOn => {}
+                end => return end,
+            }
+        }
+    }
+
+    /// One turn of the walk: a segment and what waits at its end.
+    pub fn step(&mut self) -> End {
         let top = self.top();
         let (zero, one) = (T::zero(), T::one());
         let deformed = self.kernel.deformed();
-        loop {
-            let ended = self.roulette();
-            if ended != End::GoesOn {
-                return ended;
-            }
-            self.tally[book::SEGMENTS] += 1;
-            let (o, p) = (self.o, self.p);
-            let rim = |q: T, half: T| if q > zero { half } else { -half };
-            let rim_x = rim(p.x, self.model.half_size[0]);
-            let rim_y = rim(p.y, self.model.half_size[1]);
-            let tx = safe_divide(rim_x - o.x, p.x);
-            let ty = safe_divide(rim_y - o.y, p.y);
-            let t_wall = tx.min(ty).max(zero);
-            let (t_face, up);
-            if deformed {
-                let t_up = if self.layer <= top { self.cross_face(self.layer, one, t_wall) } else { far() };
-                let t_down = self.cross_face(self.layer - 1, -one, t_wall.min(t_up));
-                up = t_up < t_down;
-                t_face = t_up.min(t_down);
-                if std::mem::take(&mut self.lost) {
-                    return End::Lost;
-                }
-            } else {
-                up = p.z > zero;
-                let i = if up { self.layer } else { self.layer - 1 };
-                t_face = safe_divide(self.model.faces[i].z - o.z, p.z).max(zero);
-            }
-            let (i, side) = if up { (self.layer, one) } else { (self.layer - 1, -one) };
-            let t = t_face.min(t_wall);
-            self.o = o + p * t;
-            if self.kernel.absorbing {
-                self.absorb(t * self.model.layers[self.layer].n);
-            }
-            if t_wall < t_face {
-                let at_x = tx < ty;
-                if at_x {
-                    self.o.x = rim_x;
-                } else {
-                    self.o.y = rim_y;
-                }
-                self.wall = match at_x {
-                    true => u32::from(p.x <= zero),
-                    false => 2 + u32::from(p.y <= zero),
-                };
-                if deformed && self.layer > top {
-                    return if p.z > zero { End::Top } else { End::Sides };
-                }
-                match self.meet_wall() {
-                    End::GoesOn => continue,
-                    end => return end,
-                }
-            }
-            if t >= far() {
-                return if deformed && self.layer > top { End::Top } else { End::Lost };
-            }
-            let mut normal = V3::up();
-            if deformed && self.model.faces[i].share != zero {
-                normal = self.surface_normal(i, self.o);
-            } else {
-                self.o.z = self.model.faces[i].z;
-            }
-            if self.kernel.touched && i == top && up && self.tissue_here(self.o.x, self.o.y) {
-                self.normal = normal;
-                return End::Touch;
-            }
-            if self.meet(i, normal, side) {
-                self.layer = if up { self.layer + 1 } else { self.layer - 1 };
-                if self.layer == 0 {
-                    return End::Bottom;
-                }
-                if !deformed && self.layer > top {
-                    return End::Top;
-                }
-            } else if self.weight == zero {
-                return End::Absorbed;
-            }
+        let ended = self.roulette();
+        if ended != End::GoesOn {
+            return ended;
         }
+        self.tally[book::SEGMENTS] += 1;
+        let (o, p) = (self.o, self.p);
+        let rim = |q: T, half: T| if q > zero { half } else { -half };
+        let rim_x = rim(p.x, self.model.half_size[0]);
+        let rim_y = rim(p.y, self.model.half_size[1]);
+        let tx = safe_divide(rim_x - o.x, p.x);
+        let ty = safe_divide(rim_y - o.y, p.y);
+        let t_wall = tx.min(ty).max(zero);
+        let (t_face, up);
+        if deformed {
+            (t_face, up) = self.cross_layer(t_wall);
+            if std::mem::take(&mut self.lost) {
+                return End::Lost;
+            }
+        } else {
+            up = p.z > zero;
+            let i = if up { self.layer } else { self.layer - 1 };
+            t_face = safe_divide(self.model.faces[i].z - o.z, p.z).max(zero);
+        }
+        let (i, side) = if up { (self.layer, one) } else { (self.layer - 1, -one) };
+        let t = t_face.min(t_wall);
+        self.o = o + p * t;
+        if self.kernel.absorbing {
+            self.absorb(t * self.model.layers[self.layer].n);
+        }
+        if t_wall < t_face {
+            let at_x = tx < ty;
+            if at_x {
+                self.o.x = rim_x;
+            } else {
+                self.o.y = rim_y;
+            }
+            self.wall = match at_x {
+                true => u32::from(p.x <= zero),
+                false => 2 + u32::from(p.y <= zero),
+            };
+            if deformed && self.layer > top {
+                return if p.z > zero { End::Top } else { End::Sides };
+            }
+            return self.meet_wall();
+        }
+        if t >= far() {
+            return if deformed && self.layer > top { End::Top } else { End::Lost };
+        }
+        let mut normal = V3::up();
+        if deformed && self.model.faces[i].share != zero {
+            normal = self.surface_normal(i, self.o);
+        } else {
+            self.o.z = self.model.faces[i].z;
+        }
+        if self.kernel.touched && i == top && up && self.tissue_here(self.o.x, self.o.y) {
+            self.normal = normal;
+            return End::Touch;
+        }
+        if self.meet(i, normal, side) {
+            self.layer = if up { self.layer + 1 } else { self.layer - 1 };
+            if self.layer == 0 {
+                return End::Bottom;
+            }
+            if !deformed && self.layer > top {
+                return End::Top;
+            }
+        } else if self.weight == zero {
+            return End::Absorbed;
+        }
+        End::GoesOn
     }
 }

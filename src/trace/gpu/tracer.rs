@@ -21,8 +21,6 @@ pub struct GpuTracer {
     model: Model<f32>,
     run: wgpu::Buffer,
     scene: wgpu::Buffer,
-    layers: wgpu::Buffer,
-    faces: wgpu::Buffer,
     leds: wgpu::Buffer,
     led_tables: wgpu::Buffer,
     surface: [wgpu::Buffer; 2],
@@ -48,15 +46,12 @@ impl GpuTracer {
         let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
         let (surface_a, surface_b) = layout::shape(&model);
         let uniform = |what, bytes: &[u8]| gpu.upload(what, bytes, Usage::UNIFORM);
-        let structs = |what, bytes: &[u8]| gpu.upload(what, bytes, Usage::STORAGE);
         let storage = |what, words: &[f32]| gpu.upload(what, bytemuck::cast_slice(words), Usage::STORAGE);
         let tables: Vec<f32> = model.led_tables.iter().flatten().copied().collect();
         let grid = model.tissue.as_ref().map_or(&[][..], |t| &t.grid);
         Ok(Self {
             run: gpu.buffer("run", size_of::<layout::Run>() as u64, Usage::UNIFORM)?,
             scene: uniform("scene", bytemuck::bytes_of(&layout::scene(&model)))?,
-            layers: structs("layers", bytemuck::cast_slice(&layout::layers(&model)))?,
-            faces: structs("interfaces", bytemuck::cast_slice(&layout::faces(&model)))?,
             leds: uniform("LEDs", bytemuck::cast_slice(&layout::leds(&model)))?,
             led_tables: storage("LED tables", &tables)?,
             surface: [storage("surface", &surface_a)?, storage("triangles", &surface_b)?],
@@ -105,7 +100,7 @@ impl GpuTracer {
         self.gpu.check()?;
         let device = &self.gpu.device;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let text = source(&self.kernel, entry, self.events.is_some());
+        let text = source(&self.model, entry, self.events.is_some());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("kernel"),
             source: wgpu::ShaderSource::Wgsl(text.into()),
@@ -148,8 +143,6 @@ impl GpuTracer {
         let mut out = vec![
             (0, &self.scene, uniform),
             (1, &self.run, uniform),
-            (2, &self.layers, read),
-            (3, &self.faces, read),
             (4, &self.leds, uniform),
             (5, &self.led_tables, read),
         ];

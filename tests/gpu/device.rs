@@ -1,0 +1,73 @@
+//! Trouble with the device: lost in the middle, or asked for more than it has.
+
+use crate::adapter::require_gpu;
+use crate::films::gpu;
+use crate::scenes::Case;
+use std::time::{Duration, Instant};
+use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
+use tirtouch::trace::gpu::GpuTracer;
+use tirtouch::trace::plan::Method;
+use tirtouch::trace::{Backend, TraceError};
+
+/// Resident memory of this process, bytes; none where the system does not say.
+fn resident() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| 1024 * kib)
+}
+
+#[test]
+fn a_device_lost_in_the_middle_of_a_render_is_an_error() {
+    for method in [Method::Path, Method::Map, Method::Splat] {
+        let Some(adapter) = require_gpu() else { return };
+        let model = Case::preset("contact-disc").model([32, 24]);
+        let mut backend = gpu(adapter, &model);
+        let Backend::Gpu(tracer) = &backend else { unreachable!() };
+        let device = tracer.gpu().device.clone();
+        let (pacer, totals) = (Pacer::default(), Totals::default());
+        let mut batch = Batch { model: &model, backend: &mut backend, method, seed: 1, pacer, totals };
+        let start = Instant::now();
+        let mut chunks = 0;
+        let found = batch.replicate(0, Work { spp: 1 << 20, photons: 1 << 16 }, &mut |_, _| {
+            chunks += 1;
+            if chunks == 2 {
+                device.destroy();
+            }
+            true
+        });
+        assert!(matches!(found, Err(TraceError::DeviceLost(_))), "{}: {found:?}", method.name());
+        assert_eq!(chunks, 2, "{}: it went on after the loss", method.name());
+        assert!(start.elapsed() < Duration::from_secs(20));
+        // And it stays lost.
+        let again = batch.replicate(1, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| true);
+        assert!(matches!(again, Err(TraceError::DeviceLost(_))), "{again:?}");
+    }
+}
+
+#[test]
+fn a_film_larger_than_the_device_allows_is_refused_before_anything_is_allocated() {
+    let Some(adapter) = require_gpu() else { return };
+    let model = Case::preset("contact-disc").model([65_535, 65_535]);
+    let before = resident();
+    match GpuTracer::on(adapter, &model).map(|_| ()) {
+        Err(TraceError::Memory { what, needed, allowed }) => {
+            assert_eq!((what, needed), ("film", 16 * 65_535 * 65_535));
+            assert!(needed > allowed);
+        }
+        other => panic!("{other:?}"),
+    }
+    if let (Some(before), Some(after)) = (before, resident()) {
+        // The other buffers of this scene are some kilobytes; other tests run beside this one.
+        assert!(after.saturating_sub(before) < 1 << 30, "{before} -> {after}");
+    }
+}
+
+#[test]
+fn a_map_larger_than_the_device_allows_is_refused() {
+    let Some(adapter) = require_gpu() else { return };
+    let mut model = Case::preset("contact-disc").model([8, 6]);
+    model.map_size = [65_535, 65_535];
+    let mut backend = gpu(adapter, &model);
+    let found = backend.clear_photons(tirtouch::trace::backend::PhotonMode::Map);
+    assert!(matches!(found, Err(TraceError::Memory { what: "photon deposits", .. })), "{found:?}");
+}

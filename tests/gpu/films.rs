@@ -1,0 +1,84 @@
+//! Films of all backends against each other, by their variances.
+
+use crate::adapter::require_gpu;
+use crate::scenes::{Case, presets, variants};
+use tirtouch::film::{BlockAccumulator, Comparison, Film, compare};
+use tirtouch::scene::Integrator;
+use tirtouch::trace::backend::CpuTracer;
+use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
+use tirtouch::trace::gpu::GpuTracer;
+use tirtouch::trace::plan::Method;
+use tirtouch::trace::render::REPLICATES;
+use tirtouch::trace::{Backend, Kernel, Model, Plan};
+
+/// Chance of a false alarm over all films together.
+const LEVEL: f64 = 1e-3;
+
+pub fn gpu(gpu: tirtouch::trace::gpu::Gpu, model: &Model<f64>) -> Backend {
+    Backend::Gpu(Box::new(GpuTracer::on(gpu, model).unwrap()))
+}
+
+pub fn f64_twin(model: &Model<f64>) -> Backend {
+    Backend::Cpu64(Box::new(CpuTracer::new(model.clone())))
+}
+
+/// A film of 16 replicates of `work` each; no pilot and no ledger, which `render` adds.
+pub fn film(mut backend: Backend, model: &Model<f64>, method: Method, seed: u32, work: Work) -> Film {
+    let [columns, rows] = model.camera.size;
+    let mut sum = BlockAccumulator::new(columns, rows);
+    let (pacer, totals) = (Pacer::default(), Totals::default());
+    let mut batch = Batch { model, backend: &mut backend, method, seed, pacer, totals };
+    for index in 0..REPLICATES {
+        let replicate = batch.replicate(index, work, &mut |_, _| true).unwrap();
+        sum.add(&replicate).unwrap();
+    }
+    assert_eq!(batch.totals.lost(), 0);
+    sum.finish()
+}
+
+/// The tests that failed, for a message.
+pub fn failed(found: &Comparison) -> String {
+    let failed: Vec<_> = found.tests.iter().filter(|t| !t.passed).collect();
+    format!("ratio {:?}, {failed:?}", found.ratio)
+}
+
+fn against_f64(case: &Case, twin: &Case, method: Method, level: f64) -> Option<Comparison> {
+    let adapter = require_gpu()?;
+    let size = [48, 36];
+    let work = Work { spp: 4, photons: 1 << 14 };
+    let (model, reference) = (case.model(size), twin.model(size));
+    let a = film(gpu(adapter, &model), &model, method, 1, work);
+    let b = film(f64_twin(&reference), &reference, method, 2, work);
+    Some(compare(&a, &b, level).unwrap())
+}
+
+#[test]
+fn gpu_films_agree_with_those_of_the_twin_in_f64() {
+    let cases: Vec<Case> = presets().into_iter().chain(variants()).collect();
+    let mut jobs: Vec<(&Case, Method)> = Vec::new();
+    for case in &cases {
+        let kernel = Kernel::of(&case.model([4, 3]));
+        jobs.push((case, Plan::choose(Integrator::Auto, &kernel).unwrap().method));
+        if Plan::choose(Integrator::Splat, &kernel).is_ok() {
+            jobs.push((case, Method::Splat));
+        }
+    }
+    let level = LEVEL / jobs.len() as f64;
+    for (case, method) in jobs {
+        let Some(found) = against_f64(case, case, method, level) else { return };
+        println!("{} by {}: ratio {:?}", case.name, method.name(), found.ratio);
+        assert!(found.passed, "{} by {}: {}", case.name, method.name(), failed(&found));
+    }
+}
+
+#[test]
+fn tissue_a_tenth_brighter_is_found() {
+    let (mut brighter, case) = (Case::named("mirror-walls"), Case::named("mirror-walls"));
+    if let Some(contact) = &mut brighter.loaded.scene.touch.contact {
+        contact.tissue.diffuse_reflectance = Some(0.55);
+    }
+    for method in [Method::Map, Method::Splat] {
+        let Some(found) = against_f64(&brighter, &case, method, LEVEL) else { return };
+        assert!(!found.passed, "{}: {:?}", method.name(), found.ratio);
+    }
+}

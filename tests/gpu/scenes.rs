@@ -1,0 +1,118 @@
+//! The scenes of the tests: every preset, and variants for the pieces of the kernels that no preset needs.
+
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+use tirtouch::scene::{self, Inner, Lens, LoadedScene, Normals, PRESETS, Pattern, Roughness, Shape, Walls};
+use tirtouch::surface::{contact_map, surface};
+use tirtouch::trace::Model;
+
+/// A scene by name.
+pub struct Case {
+    pub name: String,
+    pub loaded: LoadedScene,
+}
+
+impl Case {
+    pub fn preset(name: &str) -> Self {
+        Self { name: name.into(), loaded: scene::preset(name).unwrap() }
+    }
+
+    /// A preset or a variant.
+    pub fn named(name: &str) -> Self {
+        presets().into_iter().chain(variants()).find(|case| case.name == name).unwrap()
+    }
+
+    fn variant(name: &str, preset: &str, change: impl FnOnce(&mut scene::Scene)) -> Self {
+        let mut case = Self { name: name.into(), ..Self::preset(preset) };
+        case.loaded.folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+        change(&mut case.loaded.scene);
+        case
+    }
+
+    /// Its model, seen by a camera of other pixels over the same view.
+    pub fn model(&self, pixels: [u32; 2]) -> Model<f64> {
+        let mut loaded = self.loaded.clone();
+        loaded.scene.camera.pixels = pixels;
+        model(&loaded)
+    }
+}
+
+pub fn model(loaded: &LoadedScene) -> Model<f64> {
+    Model::new(loaded, &surface(loaded).unwrap(), contact_map(loaded).unwrap()).unwrap()
+}
+
+pub fn presets() -> Vec<Case> {
+    PRESETS.iter().map(|(name, _)| Case::preset(name)).collect()
+}
+
+/// What the presets leave out: height fields, a mesh, mirrors, a lens, a tabulated LED, contact on a deformed face.
+pub fn variants() -> Vec<Case> {
+    let dent = Shape::GaussianDent { depth_mm: 1.0, sigma_mm: 1.5, center_mm: [0.5, -1.0] };
+    let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    vec![
+        Case::variant("gaussian-dent", "dent-cap", |s| {
+            s.touch.shape = dent.clone();
+            s.touch.inner = Inner::Follow;
+        }),
+        Case::variant("dent-contact", "press-hertz", |s| s.touch.shape = dent.clone()),
+        Case::variant("mesh-dent", "dent-cap", |s| {
+            std::fs::write(tmp.join("dent.obj"), dent_obj()).unwrap();
+            s.touch.shape = Shape::Mesh { file: "dent.obj".into(), normals: Normals::Smooth };
+        }),
+        Case::variant("mirror-walls", "contact-disc", |s| s.stack.walls = Walls::Mirror { reflectance: 0.95 }),
+        Case::variant("lens", "contact-disc", |s| {
+            s.camera.lens = Lens::ThinLens { focus_mm: 24.0 };
+            s.camera.sensor.f_number = 1.4;
+        }),
+        Case::variant("ies-led", "dent-cap", |s| {
+            std::fs::write(tmp.join("led.ies"), LED_IES).unwrap();
+            s.led[0].pattern = Pattern::Ies { file: "led.ies".into() };
+        }),
+        Case::variant("thin-layers", "flat-bonded", |s| {
+            let layer = |name: &str, thickness_mm, n| scene::Layer {
+                name: name.into(),
+                thickness_mm,
+                n: Some(n),
+                material: None,
+                absorption_per_mm: 0.0,
+                upper_roughness: Roughness::None,
+            };
+            // 1 um and 10 nm; steps of 0, 1e-7 and 1e-3; an index of 4.
+            s.stack.layer = vec![
+                layer("top", 2.0, 1.41),
+                layer("no step", 1e-3, 1.41),
+                layer("tiny step", 1e-5, 1.410_000_1),
+                layer("small step", 4.0, 1.411),
+                layer("dense", 1e-3, 4.0),
+                layer("glass", 6.0, 1.38),
+            ];
+        }),
+    ]
+}
+
+/// The touched face of `dent-cap`, 12 mm up, with a dent, as 32 x 32 squares of two triangles.
+fn dent_obj() -> String {
+    const SIDE: usize = 33;
+    let at = |k: usize| -15.0 + 30.0 * k as f64 / (SIDE - 1) as f64;
+    let mut text = String::new();
+    for (j, i) in (0..SIDE * SIDE).map(|k| (k / SIDE, k % SIDE)) {
+        let (x, y) = (at(i), at(j));
+        let z = 12.0 - 1.2 * (-(x * x + y * y) / (2.0 * 3.0 * 3.0)).exp();
+        text.push_str(&format!("v {x} {y} {z}\n"));
+    }
+    for (j, i) in (0..(SIDE - 1) * (SIDE - 1)).map(|k| (k / (SIDE - 1), k % (SIDE - 1))) {
+        let a = j * SIDE + i + 1;
+        text.push_str(&format!("f {a} {} {}\nf {a} {} {}\n", a + 1, a + SIDE + 1, a + SIDE + 1, a + SIDE));
+    }
+    text
+}
+
+/// A narrow beam, wider across than up.
+const LED_IES: &str = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1.0 4 2 1 2 0 0 0\n1 1 0\n0 30 60 90\n0 90\n\
+                       100 80 30 0\n100, 50, 5, 0\n";
+
+/// Sends the ray of direction `angle` from the z axis, in the plane of azimuth `turn` (radians), as a unit vector.
+pub fn direction(angle: f64, turn: f64) -> [f64; 3] {
+    debug_assert!(angle <= PI);
+    [angle.sin() * turn.cos(), angle.sin() * turn.sin(), angle.cos()]
+}
