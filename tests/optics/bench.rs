@@ -40,8 +40,13 @@ pub fn backends(model: &Model<f64>) -> Vec<Backend> {
     gpu.into_iter().chain([open(BackendChoice::Cpu).unwrap()]).collect()
 }
 
-/// The backend for renders: the GPU where there is one.
-pub fn fastest() -> BackendChoice {
+/// The GPU, or the twin where there is none.
+pub fn fastest(model: &Model<f64>) -> Backend {
+    backends(model).swap_remove(0)
+}
+
+/// The same choice, for renders.
+pub fn choice() -> BackendChoice {
     match std::env::var_os("TIRTOUCH_REQUIRE_GPU") {
         Some(_) => BackendChoice::Gpu,
         None => BackendChoice::Auto,
