@@ -179,6 +179,7 @@ impl<T: Real> Path<'_, T> {
                 if deformed && self.layer > top {
                     return if p.z > zero { End::Top } else { End::Sides };
                 }
+                self.leave_trail();
                 match self.meet_wall() {
                     End::GoesOn => continue,
                     end => return end,
@@ -193,6 +194,7 @@ impl<T: Real> Path<'_, T> {
             } else {
                 self.o.z = self.model.faces[i].z;
             }
+            self.leave_trail();
             if self.kernel.touched && i == top && up && self.tissue_here(self.o.x, self.o.y) {
                 self.normal = normal;
                 return End::Touch;
