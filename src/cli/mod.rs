@@ -7,9 +7,17 @@
 pub mod cancel;
 mod compare;
 mod error;
+mod facts;
 mod flags;
+mod inspect;
+mod job;
 mod output;
 mod progress;
+mod regimes;
+mod render;
+mod schema;
+mod shot;
+mod side;
 mod usage;
 
 pub use error::{Failure, Outcome};
@@ -35,13 +43,19 @@ struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Render(render::Render),
     Compare(compare::Compare),
+    Inspect(inspect::Inspect),
+    Schema(schema::Schema),
 }
 
 impl Command {
     fn run(&self) -> Result<Outcome, Failure> {
         match self {
+            Self::Render(render) => render.run(),
             Self::Compare(compare) => compare.run(),
+            Self::Inspect(inspect) => inspect.run(),
+            Self::Schema(schema) => schema.run(),
         }
     }
 }

@@ -137,6 +137,8 @@ pub struct Path<'m, T: Real> {
     pub events: Option<Vec<Event>>,
     /// What the photons leave behind, where they do.
     pub deposits: Option<&'m photons::Deposits<'m>>,
+    /// Points it passed, mm, where they are wanted: on interfaces and walls, and where it leaves the tissue.
+    pub trail: Option<Vec<V3<T>>>,
 }
 
 impl<'m, T: Real> Path<'m, T> {
@@ -162,12 +164,19 @@ impl<'m, T: Real> Path<'m, T> {
             tally: [0; book::SLOTS],
             events: None,
             deposits: None,
+            trail: None,
         }
     }
 
     pub(super) fn record(&mut self, code: u32, margin: T) {
         if let Some(events) = &mut self.events {
             events.push(Event { code, margin: margin.wide() });
+        }
+    }
+
+    pub(super) fn leave_trail(&mut self) {
+        if let Some(trail) = &mut self.trail {
+            trail.push(self.o);
         }
     }
 

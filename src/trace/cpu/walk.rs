@@ -205,6 +205,7 @@ impl<T: Real> Path<'_, T> {
                 true => u32::from(p.x <= zero),
                 false => 2 + u32::from(p.y <= zero),
             };
+            self.leave_trail();
             if deformed && self.layer > top {
                 return if p.z > zero { End::Top } else { End::Sides };
             }
@@ -219,6 +220,7 @@ impl<T: Real> Path<'_, T> {
         } else {
             self.o.z = self.model.faces[i].z;
         }
+        self.leave_trail();
         if self.kernel.touched && i == top && up && self.tissue_here(self.o.x, self.o.y) {
             self.normal = normal;
             return End::Touch;
