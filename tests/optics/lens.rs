@@ -28,11 +28,11 @@ fn edge_width(lens: Lens) -> f64 {
     let outcome = render(&bench::model(&loaded), &settings, &mut |_| true).unwrap();
     assert_eq!(outcome.plan.method, Method::Map);
     let row = &outcome.film.mean;
-    // From the left: dark, the edge, the disc.
-    let lit = row.iter().position(|&v| v > 0.75 * row[columns as usize * 2 / 5]).unwrap();
-    let plateau = row[lit + 8..lit + 24].iter().sum::<f32>() / 16.0;
-    let between = row[..columns as usize / 2].iter().filter(|&&v| v > 0.25 * plateau && v < 0.75 * plateau).count();
-    println!("{:?}", row[lit - 24..lit + 24].iter().map(|v| (v / plateau * 100.0).round()).collect::<Vec<_>>());
+    // The quarter from a fourth to the middle holds the disc's left edge; further out the LEDs' own reflection is seen.
+    let quarter = &row[columns as usize / 4..columns as usize / 2];
+    let lit = quarter.iter().position(|&v| v > 0.75 * quarter[quarter.len() - 1]).unwrap();
+    let plateau = quarter[lit + 8..lit + 24].iter().sum::<f32>() / 16.0;
+    let between = quarter.iter().filter(|&&v| v > 0.25 * plateau && v < 0.75 * plateau).count();
     between as f64 * 96.0 / f64::from(columns)
 }
 
