@@ -100,12 +100,15 @@ fn an_edge_led_in_air_leaks_through_the_faces_from_the_acceptance_angle_on() {
                 led.cutoff_half_angle_deg = acceptance_deg(n, 1.0, 1.0).map(|a| a + excess_deg);
             }
             let model = bench::model(&loaded);
-            bench::backends(&model).into_iter().map(|mut backend| {
-                backend.clear_photons(PhotonMode::Ledger).unwrap();
-                backend.photons(PhotonMode::Ledger, 1, 1 << 12, [0, 64]).unwrap();
-                let (tally, _) = backend.read_photons(PhotonMode::Ledger).unwrap();
-                tally[book::TOP] + tally[book::BOTTOM]
-            }).collect::<Vec<_>>()
+            bench::backends(&model)
+                .into_iter()
+                .map(|mut backend| {
+                    backend.clear_photons(PhotonMode::Ledger).unwrap();
+                    backend.photons(PhotonMode::Ledger, 1, 1 << 12, [0, 64]).unwrap();
+                    let (tally, _) = backend.read_photons(PhotonMode::Ledger).unwrap();
+                    tally[book::TOP] + tally[book::BOTTOM]
+                })
+                .collect::<Vec<_>>()
         };
         // A thousandth of a degree is far above the rounding of f32 and below the digits listed. Two degrees above,
         // some 1e-4 of the 2^18 photons start steeper than the guide traps.

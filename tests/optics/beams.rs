@@ -55,7 +55,7 @@ fn radiance_seen_through_a_face_falls_by_its_reflectance_and_by_n_squared() {
     for n in [1.38, 1.41] {
         let deep = bench::stack(&[[1000.0, n]]);
         // At 3 degrees the mean of s and p is that at 0 to 1e-6: their squares of the angle cancel.
-        let r = ((n - 1.0) / (n + 1.0) as f64).powi(2);
+        let r = f64::powi((n - 1.0) / (n + 1.0), 2);
         share_is(&format!("into {n} at 3 degrees"), &deep, 3.0, 1.0 / (n * n), 1.0 - r);
     }
     share_is("into 1.41 at 60 degrees", &bench::stack(&[[40.0, 1.41]]), 60.0, 1.0 / (1.41 * 1.41), 1.0 - 0.073_755_9);

@@ -37,7 +37,7 @@ fn an_incoherent_slab_transmits_0_941288_at_30_and_0_926946_at_45_degrees() {
 #[test]
 fn isotropic_light_in_a_slab_is_trapped_by_the_cosine_of_the_critical_angle() {
     for (n, listed) in [(1.38, 0.689_130), (1.41, 0.704_987)] {
-        let exact = (1.0 - 1.0 / (n * n) as f64).sqrt();
+        let exact = f64::sqrt(1.0 - 1.0 / (n * n));
         close("trapped share", exact, listed, 5e-7);
         close("trapped share, by the critical angle", (1.0f64 / n).asin().cos(), exact, 1e-12);
         let mut loaded = bench::stack(&[[1.0, n]]);

@@ -3,10 +3,10 @@
 use crate::bench::{self, close};
 use tirtouch::optics::reflectance;
 use tirtouch::scene::{self, Mount};
+use tirtouch::trace::Method;
 use tirtouch::trace::backend::{CameraMode, PhotonMode};
 use tirtouch::trace::batch::{Batch, Pacer, Totals};
 use tirtouch::trace::cpu::book;
-use tirtouch::trace::Method;
 
 #[test]
 fn emitted_light_is_accounted_for_to_1e_6_on_every_preset() {

@@ -48,8 +48,11 @@ fn intensity_at_the_half_power_angle_is_half_of_that_on_the_axis() {
         // Launched light follows it: the share within an angle is 1 - cos^(m + 1).
         let within = 1.0 - half_power_deg.to_radians().cos().powf(model.leds[0].exponent + 1.0);
         let limit = half_power_deg.to_radians().sin().powi(2);
-        bench::count(&model.cast::<f32>(), 20, photons, |path| launched(path).0 < limit)
-            .is("within it", within, digits);
+        bench::count(&model.cast::<f32>(), 20, photons, |path| launched(path).0 < limit).is(
+            "within it",
+            within,
+            digits,
+        );
     }
 }
 

@@ -42,7 +42,7 @@ fn diffuse_reflectance_of_the_1_41_face_is_0_07834_outside_and_0_5364_inside() {
             .sum::<f64>()
             / f64::from(steps);
         close(what, mean, expected, 1e-6);
-        bench::count(&model.cast::<f32>(), 13, 1 << 25, |path| {
+        bench::count(&model.cast::<f32>(), 13, 1 << 24, |path| {
             let sin_sq = f64::from(path.draw());
             bench::put(path, layer, [0.0; 3], momentum(sin_sq));
             !path.meet(face, V3::up(), side as f32)
