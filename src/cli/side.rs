@@ -27,6 +27,8 @@ pub(super) fn side_picture(job: &Job, seed: u32) -> Result<String, Failure> {
         n: layer.index(lambda),
         thickness_mm: layer.thickness_mm,
     };
+    let contact_mm = contact_stretches(&contact_profile(&job.model, PLACES));
+    let rays = chosen(job, sample_rays(&job.model, SAMPLED, seed), &contact_mm);
     let leds = job.model.leds.iter().filter(|led| led.wall < 2).map(|led| SideLed {
         x_mm: (half_width_mm + led.gap) * if led.wall == 0 { 1.0 } else { -1.0 },
         z_mm: led.height,
@@ -34,15 +36,15 @@ pub(super) fn side_picture(job: &Job, seed: u32) -> Result<String, Failure> {
     });
     Ok(side_view(&SideView {
         title: format!("{}: from the side", scene.name),
-        subtitle: "section y = 0 · rays chosen to show what becomes of light, not in their shares".into(),
+        subtitle: subtitle(job),
         half_width_mm,
         layers: scene.stack.layer.iter().map(layer).collect(),
         interfaces_mm,
         surround_n: scene.stack.surround_n,
         view_edge_mm: view_edge(job, half_width_mm)?,
         leds: leds.collect(),
-        contact_mm: contact_stretches(&contact_profile(&job.model, PLACES)),
-        rays: chosen(sample_rays(&job.model, SAMPLED, seed)),
+        contact_mm,
+        rays,
     })?)
 }
 
@@ -72,20 +74,28 @@ fn contact_stretches(profile: &[[f64; 2]]) -> Vec<[f64; 2]> {
     stretches.filter_map(|run| Some([run.first()?[0], run.last()?[0]])).filter(|[from, to]| to > from).collect()
 }
 
+fn subtitle(job: &Job) -> String {
+    let grid = job.contact.as_ref().is_some_and(|contact| contact.columns > 0);
+    let tissue = if grid { " · tissue where its true contact is at least half of the greatest" } else { "" };
+    format!("section y = 0 · rays picked to show what becomes of light{tissue}")
+}
+
 fn fate(ray: &Ray) -> Fate {
     match ray.end {
         End::Absorbed | End::Roulette | End::Cap => Fate::Absorbed,
-        _ if ray.touched => Fate::Scattered,
+        _ if ray.touched_mm.is_some() => Fate::Scattered,
         End::Top => Fate::EscapedTop,
         End::Bottom => Fate::EscapedBottom,
         _ => Fate::Guided,
     }
 }
 
-/// The first rays of each fate, guided ones below.
-fn chosen(rays: Vec<Ray>) -> Vec<RayPolyline> {
+/// The first rays of each fate that can be followed in the picture, guided ones below.
+fn chosen(job: &Job, rays: Vec<Ray>, contact_mm: &[[f64; 2]]) -> Vec<RayPolyline> {
+    let drawn = |[x, _, _]: &[f64; 3]| contact_mm.iter().any(|[from, to]| (from..=to).contains(&x));
+    let clear = |ray: &Ray| ray.ends_in_section(&job.model) && ray.touched_mm.as_ref().is_none_or(drawn);
     let rays: Vec<RayPolyline> =
-        rays.into_iter().map(|ray| RayPolyline { fate: fate(&ray), points_mm: ray.points_mm }).collect();
+        rays.into_iter().filter(clear).map(|ray| RayPolyline { fate: fate(&ray), points_mm: ray.points_mm }).collect();
     let of_fate = |&(fate, count): &(Fate, usize)| rays.iter().filter(move |ray| ray.fate == fate).take(count).cloned();
     DRAWN.iter().flat_map(of_fate).collect()
 }
