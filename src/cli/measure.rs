@@ -2,9 +2,7 @@
 
 use super::Failure;
 use super::shot::Shot;
-use crate::camera::expected_electrons;
 use crate::estimate::{Calibration, Estimates, GreyImage, PaperEstimate, Settings, estimate};
-use crate::film::Film;
 use crate::image_io::read_grey;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -30,9 +28,19 @@ pub(super) struct Figures {
 }
 
 impl Reading {
-    /// The reference image, where one is given.
-    pub fn reference(&self) -> Result<Option<GreyImage>, Failure> {
-        self.reference.as_deref().map(|path| grey_image(path).map(|(image, _)| image)).transpose()
+    /// The reference image, where one is given, for a camera of as many pixels.
+    pub fn reference(&self, pixels: [u32; 2]) -> Result<Option<GreyImage>, Failure> {
+        let Some(path) = &self.reference else {
+            return Ok(None);
+        };
+        let (image, _) = grey_image(path)?;
+        let [width, height] = pixels;
+        if (image.width(), image.height()) != (width as usize, height as usize) {
+            let found = format!("{} x {}", image.width(), image.height());
+            let message = format!("{}: has {found} pixels, the camera {width} x {height}", path.display());
+            return Err(Failure::input(message).in_file(path));
+        }
+        Ok(Some(image))
     }
 
     /// The calibration, where one is given.
@@ -54,11 +62,17 @@ impl Reading {
         };
         // A reference is taken to be as noisy as the image.
         let frames = if reference.is_some() { 2.0 } else { 1.0 };
-        let read = |noise: f64| estimate(&image, &Settings { threshold_grey: self.threshold, noise_grey: noise });
+        let read = |variance: f64| {
+            estimate(&image, &Settings { threshold_grey: self.threshold, noise_grey: (frames * variance).sqrt() })
+        };
         let noise = Noise::of(shot)?;
-        // The lit area hangs on pixels at the threshold, the sums on all of them.
-        let edge = read((frames * noise.variance_at(self.threshold)).sqrt());
-        let paper = PaperEstimate { diameter_px: edge.diameter_px, ..read((frames * noise.mean_variance()).sqrt()) };
+        // The lit area hangs on pixels at the threshold, h on those at the centroid, sums on all.
+        let sums = read(noise.mean_variance());
+        let h_grey = match sums.centroid_px.best() {
+            Some(&place) => read(noise.variance_near(place)).h_grey,
+            None => sums.h_grey.clone(),
+        };
+        let paper = PaperEstimate { diameter_px: read(noise.of_camera(self.threshold)).diameter_px, h_grey, ..sums };
         let known = Calibration { mm_per_pixel: shot.mm_per_pixel, bottom_area_mm2: None, force_n_from_sum_grey: None };
         let estimates = Estimates::from_paper(&paper, Some(calibration.unwrap_or(&known)));
         Ok(Figures { paper, estimates })
@@ -81,52 +95,46 @@ pub(super) fn grey_image(path: &Path) -> Result<(GreyImage, bool), Failure> {
 
 /// Noise of a simulated frame: of the camera, and of the tracer, whose image the camera exposes.
 struct Noise<'a> {
-    frame: &'a [u16],
+    shot: &'a Shot<'a>,
     /// Grey levels an electron.
     gain: f64,
-    black_level: f64,
-    /// Read noise and rounding, grey levels squared.
-    constant: f64,
     /// Variance by the tracer of each pixel, grey levels squared.
     traced: Vec<f64>,
 }
 
 impl<'a> Noise<'a> {
     fn of(shot: &'a Shot) -> Result<Self, Failure> {
-        let scene = shot.job.scene();
-        let sensor = &scene.camera.sensor;
-        let gain = f64::from(shot.frame.top_grey()) / sensor.full_well_e;
-        // Electrons are linear in radiance above a background.
-        let electrons = |mean: Vec<f32>| {
-            let film = Film { width: shot.frame.width, height: shot.frame.height, mean, ..Film::default() };
-            expected_electrons(&film, &scene.camera, scene.light.wavelength_nm)
-        };
+        let gain = f64::from(shot.frame.top_grey()) / shot.job.scene().camera.sensor.full_well_e;
         let variance = &shot.outcome.film.variance;
-        let error = electrons(variance.iter().map(|v| v.sqrt()).collect())?;
-        let background = electrons(vec![0.0; variance.len()])?;
+        // Electrons are linear in radiance, above a background.
+        let error = shot.job.electrons(variance.iter().map(|v| v.sqrt()).collect())?;
+        let background = shot.job.electrons(vec![0.0; variance.len()])?;
         let traced = error.iter().zip(background).map(|(e, b)| ((e - b) * gain).powi(2)).collect();
-        Ok(Self {
-            frame: &shot.frame.grey,
-            gain,
-            black_level: sensor.black_level,
-            constant: (sensor.read_noise_e * gain).powi(2) + 1.0 / 12.0,
-            traced,
-        })
+        Ok(Self { shot, gain, traced })
     }
 
-    /// Of one pixel of a grey level, with the tracer's share of pixels within a factor 2 of it.
-    fn variance_at(&self, grey: f64) -> f64 {
-        let near = |level: f64| (0.5 * grey..=2.0 * grey).contains(&level);
-        let traced = self.frame.iter().zip(&self.traced).filter(|(level, _)| near(f64::from(**level)));
-        let (count, sum) = traced.fold((0.0, 0.0), |(count, sum), (_, v)| (count + 1.0, sum + v));
-        self.constant + self.gain * (grey - self.black_level).max(0.0) + sum / f64::max(count, 1.0)
+    /// Of the camera alone, at a grey level: photons, read-out, rounding. What the tracer adds at the rim of a lit area
+    /// is independent from pixel to pixel and averages out over the rim.
+    fn of_camera(&self, grey: f64) -> f64 {
+        let sensor = &self.shot.job.scene().camera.sensor;
+        let photons = self.gain * (grey - sensor.black_level).max(0.0);
+        photons + (sensor.read_noise_e * self.gain).powi(2) + 1.0 / 12.0
     }
 
-    /// Over all pixels.
+    /// Of the pixel at a place (column, row).
+    fn variance_near(&self, [column, row]: [f64; 2]) -> f64 {
+        let (width, height) = (self.shot.frame.width as usize, self.shot.frame.height as usize);
+        let pixel =
+            (row as usize).min(height.saturating_sub(1)) * width + (column as usize).min(width.saturating_sub(1));
+        let grey = self.shot.frame.grey.get(pixel).copied().unwrap_or(0);
+        self.of_camera(grey.into()) + self.traced.get(pixel).copied().unwrap_or(0.0)
+    }
+
+    /// Mean over all pixels.
     fn mean_variance(&self) -> f64 {
-        let pixels = self.frame.len().max(1) as f64;
-        let grey = self.frame.iter().map(|&level| f64::from(level)).sum::<f64>() / pixels;
-        self.constant + self.gain * (grey - self.black_level).max(0.0) + self.traced.iter().sum::<f64>() / pixels
+        let pixels = self.traced.len().max(1) as f64;
+        let grey = self.shot.frame.grey.iter().map(|&level| f64::from(level)).sum::<f64>() / pixels;
+        self.of_camera(grey) + self.traced.iter().sum::<f64>() / pixels
     }
 }
 

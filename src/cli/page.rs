@@ -1,6 +1,6 @@
 //! The report of a run.
 
-use super::facts::{facts, figure, mean_radiance};
+use super::facts::{figure, mean_radiance};
 use super::inspect::layers;
 use super::measure::{Figures, Reading};
 use super::regimes::regimes;
@@ -21,7 +21,7 @@ pub(super) fn report(
     Report {
         title: format!("tirtouch: {}", scene.name),
         summary: summary(shot, figures),
-        facts: facts(shot),
+        facts: cards(shot),
         sections: vec![camera(shot, reading, seen), estimates(figures, reading), light(shot, pictures), stack(shot)],
         provenance: provenance(shot),
     }
@@ -33,6 +33,25 @@ fn summary(shot: &Shot, figures: &Figures) -> String {
         Value::Undefined { reason } => format!("The size is undefined: {reason}."),
     };
     format!("{} {size}", shot.job.scene().description)
+}
+
+/// The figures in few words; the text below says more.
+fn cards(shot: &Shot) -> Vec<(String, String)> {
+    let outcome = &shot.outcome;
+    let card = |name: &str, value: String| (name.to_owned(), value);
+    let error = match outcome.relative_error {
+        Some(error) => format!("{} %", figure(100.0 * error)),
+        None => "undefined: dark".to_owned(),
+    };
+    vec![
+        card("backend", outcome.backend.to_owned()),
+        card("integrator", outcome.plan.method.name().to_owned()),
+        card("tracing time", format!("{} s", figure(outcome.seconds))),
+        card("paths a pixel", outcome.spp.to_string()),
+        card("photons", figure(outcome.photons as f64)),
+        card("error of a lit pixel", error),
+        card("brightest grey level", format!("{} of {}", shot.max_grey(), shot.frame.top_grey())),
+    ]
 }
 
 fn picture(svg: &str, alt: &str, caption: impl Into<String>) -> Item {
@@ -92,6 +111,7 @@ fn light(shot: &Shot, pictures: &Pictures) -> Section {
                  the table below has the true shares.",
             ),
             Item::Ledger(shot.outcome.ledger),
+            Item::Text(format!("Integrator {}: {}.", shot.outcome.plan.method.name(), shot.outcome.plan.why)),
         ],
     }
 }

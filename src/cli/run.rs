@@ -40,7 +40,7 @@ pub(super) fn whole_job(
     common: &Common,
     folder: OutputFolder,
 ) -> Result<PathBuf, Failure> {
-    let reference = reading.reference()?;
+    let reference = reading.reference(job.scene().camera.pixels)?;
     let calibration = reading.calibration()?;
     let shot = Shot::take(job, common.talk.quiet)?;
     let figures = reading.of_shot(&shot, reference.as_ref(), calibration.as_ref())?;

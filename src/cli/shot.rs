@@ -37,6 +37,9 @@ pub(super) struct Pictures {
 impl<'a> Shot<'a> {
     /// Traces the image and exposes it.
     pub fn take(job: &'a Job, quiet: bool) -> Result<Self, Failure> {
+        let [width, height] = job.scene().camera.pixels;
+        // What is wrong with the exposure must not show after an hour of tracing.
+        job.electrons(vec![0.0; width as usize * height as usize])?;
         let outcome = job.trace(quiet)?;
         let (scene, seed) = (job.scene(), job.settings.seed);
         let frame = expose(&outcome.film, &scene.camera, scene.light.wavelength_nm, seed)?;

@@ -9,9 +9,14 @@ use crate::trace::rays::{Ray, contact_profile, interface_profiles, sample_rays};
 
 /// Rays sampled to choose from.
 const SAMPLED: usize = 600;
-/// Rays drawn of each fate: more hide each other.
-const DRAWN: [(Fate, usize); 5] =
-    [(Fate::Guided, 4), (Fate::EscapedTop, 3), (Fate::Scattered, 5), (Fate::EscapedBottom, 5), (Fate::Absorbed, 0)];
+/// Rays drawn of each fate, and whether they leave towards the camera: more would hide each other.
+const DRAWN: [(Fate, bool, usize); 5] = [
+    (Fate::Guided, false, 4),
+    (Fate::EscapedTop, false, 3),
+    (Fate::Scattered, false, 1),
+    (Fate::Scattered, true, 4),
+    (Fate::EscapedBottom, true, 5),
+];
 /// Places along x at which deformed interfaces and contact are drawn.
 const PLACES: usize = 301;
 
@@ -94,8 +99,11 @@ fn fate(ray: &Ray) -> Fate {
 fn chosen(job: &Job, rays: Vec<Ray>, contact_mm: &[[f64; 2]]) -> Vec<RayPolyline> {
     let drawn = |[x, _, _]: &[f64; 3]| contact_mm.iter().any(|[from, to]| (from..=to).contains(&x));
     let clear = |ray: &Ray| ray.ends_in_section(&job.model) && ray.touched_mm.as_ref().is_none_or(drawn);
-    let rays: Vec<RayPolyline> =
-        rays.into_iter().filter(clear).map(|ray| RayPolyline { fate: fate(&ray), points_mm: ray.points_mm }).collect();
-    let of_fate = |&(fate, count): &(Fate, usize)| rays.iter().filter(move |ray| ray.fate == fate).take(count).cloned();
-    DRAWN.iter().flat_map(of_fate).collect()
+    let rays: Vec<Ray> = rays.into_iter().filter(clear).collect();
+    let pick = |&(drawn, down, count): &(Fate, bool, usize)| {
+        let like = move |ray: &&Ray| fate(ray) == drawn && (ray.end == End::Bottom) == down;
+        let line = move |ray: &Ray| RayPolyline { fate: drawn, points_mm: ray.points_mm.clone() };
+        rays.iter().filter(like).take(count).map(line)
+    };
+    DRAWN.iter().flat_map(pick).collect()
 }
