@@ -170,7 +170,8 @@ impl From<TraceError> for Failure {
             | TraceError::Memory { .. }
             | TraceError::Driver(_)
             | TraceError::Lost { .. }
-            | TraceError::Truncated(_) => Self::failed(error.to_string()),
+            | TraceError::Truncated(_)
+            | TraceError::CutShort { .. } => Self::failed(error.to_string()),
         }
     }
 }

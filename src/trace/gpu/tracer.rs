@@ -5,7 +5,7 @@ use super::device::Gpu;
 use super::layout;
 use crate::trace::TraceError;
 use crate::trace::backend::{CameraMode, PhotonMode, deposit_cells};
-use crate::trace::cpu::book;
+use crate::trace::cpu::{UNIT, book};
 use crate::trace::kernel::{Kernel, ShapePiece};
 use crate::trace::model::Model;
 use std::collections::HashMap;
@@ -13,6 +13,11 @@ use wgpu::BufferUsages as Usage;
 
 /// Threads per workgroup, as in the entry points.
 const WORKGROUP: u32 = 64;
+
+/// Most paths of one thread in one dispatch. Mesa's llvmpipe ends all loops of a thread after 65,535 turns together
+/// (LP_MAX_TGSI_LOOP_ITERATIONS, "shared between every loop in a shader") and says nothing: an image of few pixels and
+/// many samples lost three quarters of its light. This leaves 2,000 turns for a path; finished paths are counted too.
+const THREAD_PATHS: u32 = 32;
 
 /// A scene loaded on a GPU.
 pub struct GpuTracer {
@@ -31,6 +36,8 @@ pub struct GpuTracer {
     ledger: wgpu::Buffer,
     events: Option<wgpu::Buffer>,
     pipelines: HashMap<Entry, wgpu::ComputePipeline>,
+    /// Camera paths and photons sent since their sums were emptied.
+    sent: [u64; 2],
 }
 
 impl GpuTracer {
@@ -62,6 +69,7 @@ impl GpuTracer {
             ledger: gpu.buffer("ledger", 8 * book::SLOTS as u64, Usage::STORAGE | Usage::COPY_SRC)?,
             events: None,
             pipelines: HashMap::new(),
+            sent: [0; 2],
             kernel,
             model,
             gpu,
@@ -204,6 +212,7 @@ impl GpuTracer {
     pub(in crate::trace) fn clear_film(&mut self) {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.film, 0, None);
+        self.sent[0] = 0;
         self.gpu.queue.submit([encoder.finish()]);
     }
 
@@ -217,14 +226,19 @@ impl GpuTracer {
     ) -> Result<(), TraceError> {
         let entry = Entry::Camera(mode);
         self.prepare(entry)?;
-        let run = layout::Run { seed, first, count, samples, first_sample, ..Default::default() };
-        self.dispatch(entry, run, count)
+        self.sent[0] += u64::from(count) * u64::from(samples);
+        for (first_sample, samples) in portions(first_sample, samples) {
+            let run = layout::Run { seed, first, count, samples, first_sample, ..Default::default() };
+            self.dispatch(entry, run, count)?;
+        }
+        Ok(())
     }
 
     pub(in crate::trace) fn read_film(&mut self) -> Result<(Vec<u64>, u64), TraceError> {
         let words = self.gpu.read(&self.film)?;
         let pixels = words.chunks_exact(4);
         let segments = pixels.clone().map(|p| u64::from(p[2])).sum();
+        finished(pixels.clone().map(|p| u64::from(p[3])).sum(), self.sent[0])?;
         Ok((pixels.map(|p| join(p[0], p[1])).collect(), segments))
     }
 
@@ -242,6 +256,7 @@ impl GpuTracer {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.deposits, 0, None);
         encoder.clear_buffer(&self.ledger, 0, None);
+        self.sent[1] = 0;
         self.gpu.submit(encoder)
     }
 
@@ -255,8 +270,12 @@ impl GpuTracer {
     ) -> Result<(), TraceError> {
         let entry = Entry::Photons(mode);
         self.prepare(entry)?;
-        let run = layout::Run { seed, count: threads, samples, first_sample, ..Default::default() };
-        self.dispatch(entry, run, threads)
+        self.sent[1] += u64::from(threads) * u64::from(samples);
+        for (first_sample, samples) in portions(first_sample, samples) {
+            let run = layout::Run { seed, count: threads, samples, first_sample, ..Default::default() };
+            self.dispatch(entry, run, threads)?;
+        }
+        Ok(())
     }
 
     pub(in crate::trace) fn read_photons(
@@ -268,11 +287,21 @@ impl GpuTracer {
         for (slot, words) in tally.iter_mut().zip(ledger.chunks_exact(2)) {
             *slot = join(words[0], words[1]) as i64;
         }
+        finished((tally[book::EMITTED] as f64 / UNIT) as u64, self.sent[1])?;
         let cells = deposit_cells(&self.model, mode);
         let words = self.gpu.read(&self.deposits)?;
         let deposits = words.chunks_exact(2).take(cells).map(|w| join(w[0], w[1])).collect();
         Ok((tally, deposits))
     }
+}
+
+/// Cuts samples into what one dispatch may hold: the first and how many.
+fn portions(first: u32, samples: u32) -> impl Iterator<Item = (u32, u32)> {
+    (0..samples).step_by(THREAD_PATHS as usize).map(move |k| (first + k, THREAD_PATHS.min(samples - k)))
+}
+
+fn finished(finished: u64, sent: u64) -> Result<(), TraceError> {
+    if finished == sent { Ok(()) } else { Err(TraceError::CutShort { finished, sent }) }
 }
 
 fn join(low: u32, high: u32) -> u64 {
