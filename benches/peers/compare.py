@@ -45,7 +45,21 @@ def cases(scenes, work):
         path = scenes / f"{name}.toml"
         found[name] = Case(name, path, peer.load(path), None, name != "dent-cap")
     found["dent-cap-mesh"] = _mesh_case(found["dent-cap"].scene, work)
+    found["dent-smooth"] = _smooth_case(found["dent-cap"].scene, work)
     return found
+
+
+def _smooth_case(scene, work):
+    """A Gaussian dent 1 mm deep: a height field in tirtouch, a mesh in Mitsuba."""
+    shape = {"kind": "gaussian_dent", "depth_mm": 1.0, "sigma_mm": 2.0}
+    smooth = {**scene, "name": "dent-smooth", "touch": {"shape": shape, "inner": "flat"}}
+    return Case("dent-smooth", _write_scene(smooth, work), smooth, GRID_CELLS, False)
+
+
+def _write_scene(scene, work):
+    path = work / f"{scene['name']}.toml"
+    path.write_text("".join(f"{key} = {_toml(value)}\n" for key, value in scene.items()))
+    return path
 
 
 def _mesh_case(scene, work):
@@ -56,9 +70,7 @@ def _mesh_case(scene, work):
     peer.write_obj(work / "dent.obj", vertices, faces)
     shape = {"kind": "mesh", "file": "dent.obj", "normals": "flat"}
     meshed = {**scene, "name": "dent-cap-mesh", "touch": {**scene["touch"], "shape": shape}}
-    path = work / "dent-cap-mesh.toml"
-    path.write_text("".join(f"{key} = {_toml(value)}\n" for key, value in meshed.items()))
-    return Case("dent-cap-mesh", path, scene, GRID_CELLS, True)
+    return Case("dent-cap-mesh", _write_scene(meshed, work), scene, GRID_CELLS, True)
 
 
 def _toml(value):

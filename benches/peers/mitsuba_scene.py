@@ -58,13 +58,28 @@ def _smooth(roughness):
         raise Unsupported(f"roughness {roughness['kind']!r}")
 
 
+class Dent:
+    """A dent pressed into the touched face: a spherical cap of a rim radius, or a Gaussian of a standard deviation (mm)."""
+
+    def __init__(self, shape):
+        self.depth, self.center = shape["depth_mm"], shape.get("center_mm", [0.0, 0.0])
+        self.rim, self.sigma = shape.get("radius_mm"), shape.get("sigma_mm")
+
+    def down(self, r2):
+        """How far (mm) the touched face sinks at squared distance r2 (mm^2) from the axis."""
+        if self.sigma is not None:
+            return self.depth * np.exp(-0.5 * r2 / self.sigma**2)
+        ball = (self.rim**2 + self.depth**2) / (2 * self.depth)
+        return np.where(r2 < self.rim**2, self.depth - ball + np.sqrt(np.maximum(ball**2 - r2, 0.0)), 0.0)
+
+
 def dent(scene):
-    """Depth, rim radius and centre of the spherical cap pressed in (mm), or None where the touched face is flat."""
+    """The dent, or None where the touched face is flat."""
     shape = scene.get("touch", {}).get("shape", {"kind": "flat"})
     if shape["kind"] == "flat":
         return None
-    if shape["kind"] == "spherical_dent":
-        return shape["depth_mm"], shape["radius_mm"], shape.get("center_mm", [0.0, 0.0])
+    if shape["kind"] in ("spherical_dent", "gaussian_dent"):
+        return Dent(shape)
     raise Unsupported(f"touch.shape {shape['kind']!r}")
 
 
@@ -91,9 +106,7 @@ def _sink(stack, height_mm, cap, r2):
     A face below the touched one moves by the dent times its height above the lowest, rigid layer over that of the
     touched face.
     """
-    depth, radius, _ = cap
-    ball = (radius**2 + depth**2) / (2 * depth)
-    down = np.where(r2 < radius**2, depth - ball + np.sqrt(np.maximum(ball**2 - r2, 0.0)), 0.0)
+    down = cap.down(r2)
     return down * (height_mm - stack.rigid_mm) / (stack.top_mm - stack.rigid_mm)
 
 
@@ -102,7 +115,7 @@ def grid_face(stack, height_mm, cap, cells):
     columns = np.linspace(-stack.half_mm[0], stack.half_mm[0], cells + 1)
     rows = np.linspace(-stack.half_mm[1], stack.half_mm[1], cells + 1)
     x, y = np.meshgrid(columns, rows)
-    center = cap[2]
+    center = cap.center
     z = height_mm - _sink(stack, height_mm, cap, (x - center[0]) ** 2 + (y - center[1]) ** 2)
     i = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
     return np.stack([x, y, z], -1).reshape(-1, 3), _two_triangles_each(i)
@@ -114,7 +127,7 @@ def smooth_face(stack, height_mm, cap, rings=512):
     Fine where the face is curved, one ring of long triangles where it is flat, with vertices on the rim: a grid smears
     the rim over its cells and changes the image's mean by 1.5 % at 256 cells.
     """
-    _, radius, center = cap
+    radius, center = cap.rim, cap.center
     corners = [math.atan2(y - center[1], x - center[0]) for x in (-stack.half_mm[0], stack.half_mm[0])
                for y in (-stack.half_mm[1], stack.half_mm[1])]
     angle = np.unique(np.concatenate([np.linspace(-math.pi, math.pi, 2 * rings, endpoint=False), corners]))

@@ -20,12 +20,16 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
     return select(plane, t, on_cap);
 }
 
-fn surface_normal(i: u32, o: vec3f) -> vec3f {
+// Within rounding of the rim either face may have been met: the one that the ray crosses outward.
+fn surface_normal(i: u32, o: vec3f, side: f32) -> vec3f {
     let q = o.xy - scene.cap_center;
     let share = face_share(i);
     let zeta = (o.z - face_z(i)) / share - (scene.ball_radius - scene.cap_depth);
     let m = normalize(vec3f(-q, -zeta / share));
-    return select(vec3f(0.0, 0.0, 1.0), m, dot(q, q) < scene.cap_rim_sq);
+    let beyond = dot(q, q) - scene.cap_rim_sq;
+    let at_rim = abs(beyond) <= 1e-5 * scene.cap_rim_sq;
+    let on_cap = select(beyond < 0.0, (dot(path.p, m) * side > 0.0), at_rim);
+    return select(vec3f(0.0, 0.0, 1.0), m, on_cap);
 }
 
 fn surface_height(i: u32, xy: vec2f) -> f32 {

@@ -70,7 +70,7 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
 }
 
 // At the crossing just found.
-fn surface_normal(i: u32, o: vec3f) -> vec3f { return normalize(vec3f(-field_slope, 1.0)); }
+fn surface_normal(i: u32, o: vec3f, side: f32) -> vec3f { return normalize(vec3f(-field_slope, 1.0)); }
 
 fn surface_height(i: u32, xy: vec2f) -> f32 {
     let h = field_at(i, xy);

@@ -71,11 +71,11 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
 }
 
 // The interpolated normal, or the facet's where the interpolated one would send a reflected ray through the surface.
-fn surface_normal(i: u32, o: vec3f) -> vec3f {
-    let side = dot(path.p, mesh_facet);
+fn surface_normal(i: u32, o: vec3f, side: f32) -> vec3f {
+    let across = dot(path.p, mesh_facet);
     let along = dot(path.p, mesh_normal);
-    let reflected = side - 2.0 * along * dot(mesh_normal, mesh_facet);
-    return select(mesh_facet, mesh_normal, along * side > 0.0 && reflected * side < 0.0);
+    let reflected = across - 2.0 * along * dot(mesh_normal, mesh_facet);
+    return select(mesh_facet, mesh_normal, along * across > 0.0 && reflected * across < 0.0);
 }
 
 fn surface_height(i: u32, xy: vec2f) -> f32 {

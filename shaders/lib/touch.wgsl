@@ -69,7 +69,7 @@ fn tissue_walk() -> u32 {
             if (!inside(xy)) { return END_TOP; }
             path.o = vec3f(xy, surface_height(top, xy));
             path.normal = vec3f(0.0, 0.0, 1.0);
-            if (DEFORMED && face_share(top) != 0.0) { path.normal = surface_normal(top, path.o); }
+            if (DEFORMED && face_share(top) != 0.0) { path.normal = surface_normal(top, path.o, 0.0); }
         }
         let sin_sq = draw();
         let phi = TAU * draw();

@@ -122,63 +122,79 @@ fn meet_wall() -> u32 {
     return END_WALL;
 }
 
-fn walk() -> u32 {
+// One turn of the walk: a segment and what waits at its end. `curved`: a face of the layer may be deformed.
+fn step(curved: bool) -> u32 {
     let top = scene.layer_count;
-    loop {
-        let ended = roulette();
-        if (ended != GOES_ON) { return ended; }
-        book_segment();
-        let o = path.o;
-        let p = path.p;
-        let rim = select(-scene.half_size, scene.half_size, p.xy > vec2f(0.0));
-        let tx = safe_divide(rim.x - o.x, p.x);
-        let ty = safe_divide(rim.y - o.y, p.y);
-        let t_wall = max(min(tx, ty), 0.0);
-        var t_face: f32;
-        var i: u32;
-        var side: f32;
-        if (DEFORMED) {
-            let crossing = cross_layer(t_wall);
-            t_face = crossing.t;
-            i = select(path.layer - 1u, path.layer, crossing.up);
-            side = select(-1.0, 1.0, crossing.up);
-            if (lost_here()) { return END_LOST; }
-        } else {
-            let up = p.z > 0.0;
-            i = select(path.layer - 1u, path.layer, up);
-            side = select(-1.0, 1.0, up);
-            t_face = max(safe_divide(face_z(i) - o.z, p.z), 0.0);
-        }
-        let t = min(t_face, t_wall);
-        path.o = o + t * p;
-        if (ABSORBING) { absorb(t * layer_n(path.layer)); }
-        if (t_wall < t_face) {
-            let at_x = tx < ty;
-            if (at_x) { path.o.x = rim.x; } else { path.o.y = rim.y; }
-            path.wall = select(select(3u, 2u, p.y > 0.0), select(1u, 0u, p.x > 0.0), at_x);
-            if (DEFORMED && path.layer > top) { return select(END_SIDES, END_TOP, p.z > 0.0); }
-            let at_wall = meet_wall();
-            if (at_wall != GOES_ON) { return at_wall; }
-            continue;
-        }
-        if (t >= FAR) { return select(END_LOST, END_TOP, DEFORMED && path.layer > top); }
-        var normal = vec3f(0.0, 0.0, 1.0);
-        if (DEFORMED && face_share(i) != 0.0) {
-            normal = surface_normal(i, path.o);
-        } else {
-            path.o.z = face_z(i);
-        }
-        if (TOUCHED && i == top && side > 0.0 && tissue_here(path.o.xy)) {
-            path.normal = normal;
-            return END_TOUCH;
-        }
-        if (meet(i, normal, side)) {
-            path.layer = u32(i32(path.layer) + i32(side));
-            if (path.layer == 0u) { return END_BOTTOM; }
-            if (!DEFORMED && path.layer > top) { return END_TOP; }
-        } else if (ROUGH && path.weight == 0.0) {
-            return END_ABSORBED;
-        }
+    let ended = roulette();
+    if (ended != GOES_ON) { return ended; }
+    book_segment();
+    let o = path.o;
+    let p = path.p;
+    let rim = select(-scene.half_size, scene.half_size, p.xy > vec2f(0.0));
+    let tx = safe_divide(rim.x - o.x, p.x);
+    let ty = safe_divide(rim.y - o.y, p.y);
+    let t_wall = max(min(tx, ty), 0.0);
+    var t_face: f32;
+    var up = p.z > 0.0;
+    if (curved) {
+        let crossing = cross_layer(t_wall);
+        t_face = crossing.t;
+        up = crossing.up;
+        if (lost_here()) { return END_LOST; }
+    } else {
+        t_face = max(safe_divide(face_z(select(path.layer - 1u, path.layer, up)) - o.z, p.z), 0.0);
     }
-    return END_LOST;
+    let i = select(path.layer - 1u, path.layer, up);
+    let side = select(-1.0, 1.0, up);
+    let t = min(t_face, t_wall);
+    path.o = o + t * p;
+    if (ABSORBING) { absorb(t * layer_n(path.layer)); }
+    if (t_wall < t_face) {
+        let at_x = tx < ty;
+        if (at_x) { path.o.x = rim.x; } else { path.o.y = rim.y; }
+        path.wall = select(select(3u, 2u, p.y > 0.0), select(1u, 0u, p.x > 0.0), at_x);
+        if (curved && path.layer > top) { return select(END_SIDES, END_TOP, p.z > 0.0); }
+        return meet_wall();
+    }
+    if (t >= FAR) { return select(END_LOST, END_TOP, curved && path.layer > top); }
+    var normal = vec3f(0.0, 0.0, 1.0);
+    if (curved && face_share(i) != 0.0) {
+        normal = surface_normal(i, path.o, side);
+    } else {
+        path.o.z = face_z(i);
+    }
+    if (TOUCHED && i == top && up && tissue_here(path.o.xy)) {
+        path.normal = normal;
+        return END_TOUCH;
+    }
+    if (meet(i, normal, side)) {
+        path.layer = u32(i32(path.layer) + i32(side));
+        if (path.layer == 0u) { return END_BOTTOM; }
+        if (!DEFORMED && path.layer > top) { return END_TOP; }
+    } else if (ROUGH && path.weight == 0.0) {
+        return END_ABSORBED;
+    }
+    return GOES_ON;
+}
+
+// To the next wall, exit or tissue. Layers between flat faces have a loop of their own: drivers that run a search for all
+// lanes if one needs it then run it once a passage of a curved layer, not once a segment.
+fn walk() -> u32 {
+    var end = GOES_ON;
+    loop {
+        loop {
+            if (DEFORMED && in_curved_layer()) { break; }
+            end = step(false);
+            if (end != GOES_ON) { break; }
+        }
+        if (end != GOES_ON || !DEFORMED) { break; }
+        end = step(true);
+        if (end != GOES_ON) { break; }
+    }
+    return end;
+}
+
+fn in_curved_layer() -> bool {
+    let top = scene.layer_count;
+    return path.layer > top || face_share(path.layer) != 0.0 || face_share(path.layer - 1u) != 0.0;
 }

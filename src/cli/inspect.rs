@@ -37,6 +37,13 @@ pub(super) struct LayerAngles {
     note: Option<String>,
 }
 
+impl LayerAngles {
+    /// The critical angle to the surround in degrees, or a dash where there is none.
+    pub fn critical_text(&self) -> String {
+        self.critical_to_surround_deg.as_f64().map_or("-".to_owned(), |v| format!("{v:.4}"))
+    }
+}
+
 impl Inspect {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let job = Job::load(&self.scene, &Common::default())?;
@@ -57,7 +64,8 @@ impl Inspect {
     }
 }
 
-fn layers(job: &Job) -> Vec<LayerAngles> {
+/// The angles of every layer, touch side first.
+pub(super) fn layers(job: &Job) -> Vec<LayerAngles> {
     let stack = &job.scene().stack;
     let n_0 = stack.surround_n;
     let angles = |layer: &crate::scene::Layer| {
@@ -163,7 +171,7 @@ impl Seen<'_> {
             "layer", "n", "thickness/mm", "acceptance/deg", "critical angle/deg"
         );
         for layer in &self.layers {
-            let critical = layer.critical_to_surround_deg.as_f64().map_or("-".to_owned(), |v| format!("{v:.4}"));
+            let critical = layer.critical_text();
             let _ = writeln!(
                 text,
                 "  {:width$}  {:>8.5}  {:>12}  {:>16.3}  {critical:>22}",

@@ -1,8 +1,9 @@
 //! From a scene's name to its image: the steps that the rendering commands share.
 
 use super::{Common, Failure, Progress, cancel, note};
-use crate::camera::View;
-use crate::scene::{LoadedScene, Scene, load, preset};
+use crate::camera::{View, expected_electrons};
+use crate::film::Film;
+use crate::scene::{LoadedScene, PRESETS, Scene, SceneError, load, preset};
 use crate::surface::{ContactMap, Surface, SurfaceError, contact_map, surface};
 use crate::trace::{Kernel, Model, Outcome, Plan, Settings, render};
 use std::path::{Path, PathBuf};
@@ -24,7 +25,7 @@ impl Job {
     pub fn load(source: &Path, common: &Common) -> Result<Self, Failure> {
         let (loaded, file) = match source.to_str().and_then(|source| source.strip_prefix(PRESET)) {
             Some(name) => (preset(name)?, PathBuf::from(format!("{name}.toml"))),
-            None => (load(source)?, source.to_path_buf()),
+            None => (load(source).map_err(|error| with_hint(source, error))?, source.to_path_buf()),
         };
         // A shape that does not fit its stack is a mistake of the scene file.
         let place = |error: SurfaceError| match &error {
@@ -54,6 +55,13 @@ impl Job {
         Ok(View::new(&scene.camera, &layers, scene.stack.surround_n)?)
     }
 
+    /// Electrons that the camera expects of a radiance image, row-major.
+    pub fn electrons(&self, mean: Vec<f32>) -> Result<Vec<f64>, Failure> {
+        let [width, height] = self.scene().camera.pixels;
+        let film = Film { width, height, mean, ..Film::default() };
+        Ok(expected_electrons(&film, &self.scene().camera, self.scene().light.wavelength_nm)?)
+    }
+
     /// Traces the image, showing how far it is. Ctrl-C stops it.
     pub fn trace(&self, quiet: bool) -> Result<Outcome, Failure> {
         let progress = Progress::new(quiet);
@@ -66,5 +74,16 @@ impl Job {
             note(notice);
         }
         Ok(outcome)
+    }
+}
+
+/// An error of loading, with the preset that may have been meant.
+fn with_hint(source: &Path, error: SceneError) -> Failure {
+    let stem = source.file_stem().and_then(|stem| stem.to_str());
+    match PRESETS.iter().find(|(name, _)| Some(*name) == stem && !source.exists()) {
+        Some((name, _)) => {
+            Failure::input(format!("{error}; the scene of that name in the program is {PRESET}{name}")).in_file(source)
+        }
+        None => error.into(),
     }
 }

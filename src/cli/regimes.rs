@@ -48,11 +48,11 @@ fn launch(job: &Job, layers: &[LayerAngles], undisturbed: bool) -> String {
     }
     let least = layers.iter().map(|layer| layer.acceptance_deg).fold(90.0, f64::min);
     let widest = leds.iter().map(|led| led.cutoff_half_angle_deg.unwrap_or(90.0)).fold(0.0, f64::max);
-    let dark = if undisturbed { ": the stack is flat and nothing touches, so the camera sees nothing" } else { "" };
+    let dark = if undisturbed { "; the stack is flat and nothing touches: the camera sees nothing" } else { "" };
     if least >= 90.0 {
-        let reason = "every index is at least sqrt(2) times that of the surround";
         format!(
-            "LEDs stand in the surround and {reason}: everything they launch is trapped between top and bottom{dark}"
+            "LEDs stand in the surround, and every index is at least sqrt(2) times that of the surround, so everything \
+             they launch is trapped between top and bottom{dark}"
         )
     } else if widest <= least + COPIED_DEG {
         format!(

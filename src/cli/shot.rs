@@ -21,6 +21,12 @@ pub(super) struct Shot<'a> {
     pub seed: u32,
 }
 
+/// Pictures of the camera's frame, as SVG.
+pub(super) struct CameraPictures {
+    pub false_color: String,
+    pub relief: String,
+}
+
 /// The pictures of a shot, as SVG.
 pub(super) struct Pictures {
     pub radiance: String,
@@ -31,6 +37,9 @@ pub(super) struct Pictures {
 impl<'a> Shot<'a> {
     /// Traces the image and exposes it.
     pub fn take(job: &'a Job, quiet: bool) -> Result<Self, Failure> {
+        let [width, height] = job.scene().camera.pixels;
+        // What is wrong with the exposure must not show after an hour of tracing.
+        job.electrons(vec![0.0; width as usize * height as usize])?;
         let outcome = job.trace(quiet)?;
         let (scene, seed) = (job.scene(), job.settings.seed);
         let frame = expose(&outcome.film, &scene.camera, scene.light.wavelength_nm, seed)?;
@@ -54,20 +63,29 @@ impl<'a> Shot<'a> {
 
     fn pictures(&self) -> Result<Pictures, Failure> {
         let values: Vec<f64> = self.outcome.film.mean.iter().map(|&v| f64::from(v)).collect();
-        let raster = Raster {
-            width: self.outcome.film.width as usize,
-            height: self.outcome.film.height as usize,
-            values: &values,
-            quantity: "radiance",
-            unit: "W/(m² sr)",
-            mm_per_pixel: Some(self.mm_per_pixel),
-        };
+        let raster = self.raster(&values, "radiance", "W/(m² sr)");
         let name = &self.job.scene().name;
         Ok(Pictures {
-            radiance: false_color(&format!("{name}: radiance"), &raster, ColorScale::Auto)?,
+            radiance: false_color(&format!("{name}: radiance"), &raster, scale_of(&values))?,
             relief: relief(&format!("{name}: radiance"), &raster)?,
             side: side_picture(self.job, self.seed)?,
         })
+    }
+
+    /// The camera's frame in false colour and as a relief.
+    pub fn camera_pictures(&self) -> Result<CameraPictures, Failure> {
+        let values: Vec<f64> = self.frame.grey.iter().map(|&grey| f64::from(grey)).collect();
+        let raster = self.raster(&values, "grey level", "");
+        let title = format!("{}: camera", self.job.scene().name);
+        Ok(CameraPictures {
+            false_color: false_color(&title, &raster, ColorScale::Linear)?,
+            relief: relief(&title, &raster)?,
+        })
+    }
+
+    fn raster<'v>(&self, values: &'v [f64], quantity: &'v str, unit: &'v str) -> Raster<'v> {
+        let (width, height) = (self.frame.width as usize, self.frame.height as usize);
+        Raster { width, height, values, quantity, unit, mm_per_pixel: Some(self.mm_per_pixel) }
     }
 
     /// What the header of radiance.exr says.
@@ -164,6 +182,17 @@ impl<'a> Shot<'a> {
     pub fn saturated_pixels(&self) -> usize {
         let top = self.frame.top_grey();
         self.frame.grey.iter().filter(|&&grey| grey >= top).count()
+    }
+}
+
+/// Logarithmic where a few pixels (glints) are far brighter than the hundredth brightest: on a linear scale they alone would show.
+fn scale_of(values: &[f64]) -> ColorScale {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let percentile = sorted.get(sorted.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(0.0);
+    match sorted.last() {
+        Some(&most) if most > 10.0 * percentile => ColorScale::Log,
+        _ => ColorScale::Linear,
     }
 }
 

@@ -9,9 +9,14 @@ use crate::trace::rays::{Ray, contact_profile, interface_profiles, sample_rays};
 
 /// Rays sampled to choose from.
 const SAMPLED: usize = 600;
-/// Rays drawn of each fate: more hide each other.
-const DRAWN: [(Fate, usize); 5] =
-    [(Fate::Guided, 4), (Fate::EscapedTop, 3), (Fate::Scattered, 5), (Fate::EscapedBottom, 5), (Fate::Absorbed, 0)];
+/// Rays drawn of each fate, and whether they leave towards the camera: more would hide each other.
+const DRAWN: [(Fate, bool, usize); 5] = [
+    (Fate::Guided, false, 4),
+    (Fate::EscapedTop, false, 3),
+    (Fate::Scattered, false, 1),
+    (Fate::Scattered, true, 4),
+    (Fate::EscapedBottom, true, 5),
+];
 /// Places along x at which deformed interfaces and contact are drawn.
 const PLACES: usize = 301;
 
@@ -27,6 +32,8 @@ pub(super) fn side_picture(job: &Job, seed: u32) -> Result<String, Failure> {
         n: layer.index(lambda),
         thickness_mm: layer.thickness_mm,
     };
+    let contact_mm = contact_stretches(&contact_profile(&job.model, PLACES));
+    let rays = chosen(job, sample_rays(&job.model, SAMPLED, seed), &contact_mm);
     let leds = job.model.leds.iter().filter(|led| led.wall < 2).map(|led| SideLed {
         x_mm: (half_width_mm + led.gap) * if led.wall == 0 { 1.0 } else { -1.0 },
         z_mm: led.height,
@@ -34,15 +41,15 @@ pub(super) fn side_picture(job: &Job, seed: u32) -> Result<String, Failure> {
     });
     Ok(side_view(&SideView {
         title: format!("{}: from the side", scene.name),
-        subtitle: "section y = 0 · rays chosen to show what becomes of light, not in their shares".into(),
+        subtitle: subtitle(job),
         half_width_mm,
         layers: scene.stack.layer.iter().map(layer).collect(),
         interfaces_mm,
         surround_n: scene.stack.surround_n,
         view_edge_mm: view_edge(job, half_width_mm)?,
         leds: leds.collect(),
-        contact_mm: contact_stretches(&contact_profile(&job.model, PLACES)),
-        rays: chosen(sample_rays(&job.model, SAMPLED, seed)),
+        contact_mm,
+        rays,
     })?)
 }
 
@@ -72,20 +79,31 @@ fn contact_stretches(profile: &[[f64; 2]]) -> Vec<[f64; 2]> {
     stretches.filter_map(|run| Some([run.first()?[0], run.last()?[0]])).filter(|[from, to]| to > from).collect()
 }
 
+fn subtitle(job: &Job) -> String {
+    let grid = job.contact.as_ref().is_some_and(|contact| contact.columns > 0);
+    let tissue = if grid { " · tissue where its true contact is at least half of the greatest" } else { "" };
+    format!("section y = 0 · rays picked to show what becomes of light{tissue}")
+}
+
 fn fate(ray: &Ray) -> Fate {
     match ray.end {
         End::Absorbed | End::Roulette | End::Cap => Fate::Absorbed,
-        _ if ray.touched => Fate::Scattered,
+        _ if ray.touched_mm.is_some() => Fate::Scattered,
         End::Top => Fate::EscapedTop,
         End::Bottom => Fate::EscapedBottom,
         _ => Fate::Guided,
     }
 }
 
-/// The first rays of each fate, guided ones below.
-fn chosen(rays: Vec<Ray>) -> Vec<RayPolyline> {
-    let rays: Vec<RayPolyline> =
-        rays.into_iter().map(|ray| RayPolyline { fate: fate(&ray), points_mm: ray.points_mm }).collect();
-    let of_fate = |&(fate, count): &(Fate, usize)| rays.iter().filter(move |ray| ray.fate == fate).take(count).cloned();
-    DRAWN.iter().flat_map(of_fate).collect()
+/// The first rays of each fate that can be followed in the picture, guided ones below.
+fn chosen(job: &Job, rays: Vec<Ray>, contact_mm: &[[f64; 2]]) -> Vec<RayPolyline> {
+    let drawn = |[x, _, _]: &[f64; 3]| contact_mm.iter().any(|[from, to]| (from..=to).contains(&x));
+    let clear = |ray: &Ray| ray.ends_in_section(&job.model) && ray.touched_mm.as_ref().is_none_or(drawn);
+    let rays: Vec<Ray> = rays.into_iter().filter(clear).collect();
+    let pick = |&(drawn, down, count): &(Fate, bool, usize)| {
+        let like = move |ray: &&Ray| fate(ray) == drawn && (ray.end == End::Bottom) == down;
+        let line = move |ray: &Ray| RayPolyline { fate: drawn, points_mm: ray.points_mm.clone() };
+        rays.iter().filter(like).take(count).map(line)
+    };
+    DRAWN.iter().flat_map(pick).collect()
 }

@@ -11,10 +11,11 @@ use super::model::Model;
 const LAUNCHES: u32 = 200_000;
 /// Sine of the angle to the section within which a launch is turned into it.
 const NEAR: f64 = 0.05;
-/// Length of the last piece outside the stack, mm.
-const OUTSIDE_MM: f64 = 4.0;
+/// Length of the last piece outside the stack, over half its width: below there is the camera, beside it are names.
+const BELOW: f64 = 0.3;
+const BESIDE: f64 = 0.11;
 /// Most points of one ray: a picture cannot show more.
-const POINTS: usize = 64;
+const POINTS: usize = 40;
 
 /// One photon from its LED to its end.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,8 +24,17 @@ pub struct Ray {
     pub points_mm: Vec<[f64; 3]>,
     /// How it ended.
     pub end: End,
-    /// Entered tissue at least once.
-    pub touched: bool,
+    /// Where it entered tissue first, mm; none where it never did.
+    pub touched_mm: Option<[f64; 3]>,
+}
+
+impl Ray {
+    /// Whether its end is in the picture: not at a wall along the section, not inside, and drawn to the last.
+    pub fn ends_in_section(&self, model: &Model<f64>) -> bool {
+        let beside = self.points_mm.last().is_some_and(|p| p[0].abs() >= model.half_size[0] * (1.0 - 1e-9));
+        let left = matches!(self.end, End::Top | End::Bottom);
+        self.points_mm.len() < POINTS && (left || beside && matches!(self.end, End::Sides | End::Wall))
+    }
 }
 
 /// Follows up to `count` photons launched in the section y = 0; fewer where the LEDs send few that way.
@@ -35,13 +45,11 @@ pub fn sample_rays(model: &Model<f64>, count: usize, seed: u32) -> Vec<Ray> {
             break;
         }
         let mut path = Path::new(model, Limits::default());
-        path.events = Some(Vec::new());
         path.trail = Some(Vec::new());
         path.start_random(seed, 0, sample);
         let launched = path.launch();
         if launched == End::GoesOn && turn_into_section(&mut path) {
-            let end = path.follow(launched);
-            rays.extend(finished(path, end));
+            rays.extend(follow(path));
         }
     }
     rays
@@ -62,18 +70,33 @@ fn turn_into_section(path: &mut Path<f64>) -> bool {
     true
 }
 
-/// The ray of a followed path; none where it got lost.
-fn finished(path: Path<f64>, end: End) -> Option<Ray> {
+/// Follows a launched photon to its end; none where it gets lost.
+fn follow(mut path: Path<f64>) -> Option<Ray> {
+    let mut touched_mm = None;
+    let end = loop {
+        let mut end = path.walk();
+        if end == End::Touch {
+            let place = [path.o.x, path.o.y, path.o.z];
+            path.events = Some(Vec::new());
+            end = path.photon_touch();
+            // Light that enters draws at once whether the tissue returns it (codes 512 and 513 of the event record).
+            let entered = path.events.take().iter().flatten().any(|event| matches!(event.code, 512 | 513));
+            touched_mm = touched_mm.or(entered.then_some(place));
+        }
+        if end != End::GoesOn {
+            break end;
+        }
+    };
     let mut points_mm: Vec<[f64; 3]> = path.trail.iter().flatten().map(|o| [o.x, o.y, o.z]).collect();
-    // A path that has entered tissue has drawn whether it lives on (codes 512 and 513 of the event record).
-    let touched = path.events.iter().flatten().any(|event| matches!(event.code, 512 | 513));
-    let cut = points_mm.len() > POINTS;
     points_mm.truncate(POINTS);
-    if let (false, End::Top | End::Bottom | End::Sides, Some(&[x, y, z])) = (cut, end, points_mm.last()) {
-        let reach = OUTSIDE_MM / path.p.dot(path.p).sqrt();
+    if let (true, End::Top | End::Bottom | End::Sides, Some(&[x, y, z])) =
+        (points_mm.len() < POINTS, end, points_mm.last())
+    {
+        let length = path.model.half_size[0] * if end == End::Bottom { BELOW } else { BESIDE };
+        let reach = length / path.p.dot(path.p).sqrt();
         points_mm.push([x + path.p.x * reach, y + path.p.y * reach, z + path.p.z * reach]);
     }
-    (end != End::Lost && points_mm.len() > 1).then_some(Ray { points_mm, end, touched })
+    (end != End::Lost && points_mm.len() > 1).then_some(Ray { points_mm, end, touched_mm })
 }
 
 /// Heights of every interface, lowest first, in the section y = 0 at evenly spaced places: points (x, z), mm.
@@ -114,10 +137,12 @@ mod tests {
 
     #[test]
     fn a_flat_stack_guides_every_ray_from_wall_to_wall() {
-        let rays = sample_rays(&model("tsis-paper"), 20, 3);
+        let model = model("tsis-paper");
+        let rays = sample_rays(&model, 20, 3);
         assert_eq!(rays.len(), 20);
         for ray in &rays {
-            assert_eq!((ray.end, ray.touched), (End::Sides, false));
+            assert_eq!((ray.end, ray.touched_mm), (End::Sides, None));
+            assert!(ray.ends_in_section(&model));
             assert_eq!(ray.points_mm[0][0].abs(), 15.0);
             assert!(ray.points_mm.iter().all(|p| p[1] == 0.0 && (0.0..=12.0).contains(&p[2]) || p[0].abs() > 15.0));
         }
@@ -143,8 +168,10 @@ mod tests {
 
     #[test]
     fn contact_scatters_rays_and_a_dent_lets_them_out() {
-        let touched = sample_rays(&model("contact-disc"), 300, 1).iter().filter(|ray| ray.touched).count();
-        assert!((10..290).contains(&touched), "{touched}");
+        let rays = sample_rays(&model("contact-disc"), 300, 1);
+        let touched: Vec<[f64; 3]> = rays.iter().filter_map(|ray| ray.touched_mm).collect();
+        assert!((10..290).contains(&touched.len()), "{}", touched.len());
+        assert!(touched.iter().all(|[x, y, z]| x.hypot(*y) <= 4.0 && *z == 12.0));
         let dented = sample_rays(&model("tsis-dent"), 100, 1);
         assert!(dented.iter().any(|ray| matches!(ray.end, End::Bottom | End::Top)));
         assert!(dented.iter().flat_map(|ray| &ray.points_mm).flatten().all(|v| v.abs() < 40.0));

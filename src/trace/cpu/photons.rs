@@ -44,9 +44,14 @@ impl<T: Real> Path<'_, T> {
     /// Sends one photon and books its fate.
     pub fn photon(&mut self, seed: u32, thread: u32, sample: u32) {
         self.start_random(seed, thread, sample);
-        let launched = self.launch();
+        let mut end = self.launch();
         self.tally[book::EMITTED] += units(T::one());
-        let end = self.follow(launched);
+        while end == End::GoesOn {
+            end = self.walk();
+            if end == End::Touch {
+                end = self.photon_touch();
+            }
+        }
         self.record(1000 + end as u32, T::one());
         let slot = match end {
             End::Sides => book::SIDES,
@@ -62,18 +67,6 @@ impl<T: Real> Path<'_, T> {
             _ => book::ABSORBED,
         };
         self.tally[slot] += units(self.weight);
-    }
-
-    /// Follows a launched photon to its end.
-    pub(in crate::trace) fn follow(&mut self, launched: End) -> End {
-        let mut end = launched;
-        while end == End::GoesOn {
-            end = self.walk();
-            if end == End::Touch {
-                end = self.photon_touch();
-            }
-        }
-        end
     }
 
     fn enters_lens(&self) -> bool {

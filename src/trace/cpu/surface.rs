@@ -24,27 +24,29 @@ impl<T: Real> Path<'_, T> {
         }
     }
 
-    /// Upward unit normal of deformed interface `i` at a point on it.
-    pub fn surface_normal(&self, i: usize, o: V3<T>) -> V3<T> {
+    /// Upward unit normal of deformed interface `i` where the path met it from below (side 1) or above (side -1), or at
+    /// any point on it (side 0).
+    pub fn surface_normal(&self, i: usize, o: V3<T>, side: T) -> V3<T> {
         match &self.model.shape {
             Shape::Plane => V3::up(),
             Shape::Cap(cap) => {
                 let (x, y) = (o.x - cap.center[0], o.y - cap.center[1]);
-                if x * x + y * y >= cap.rim_sq {
-                    return V3::up();
-                }
                 let share = self.model.faces[i].share;
                 let zeta = (o.z - self.model.faces[i].z) / share - (cap.ball - cap.depth);
-                v3(-x, -y, -zeta / share).normalize()
+                let m = v3(-x, -y, -zeta / share).normalize();
+                let beyond = x * x + y * y - cap.rim_sq;
+                let at_rim = beyond.abs() <= c::<T>(1e-5) * cap.rim_sq;
+                let on_cap = if at_rim { self.p.dot(m) * side > T::zero() } else { beyond < T::zero() };
+                if on_cap { m } else { V3::up() }
             }
             // At the crossing just found.
             Shape::Field(_) => v3(-self.field_slope[0], -self.field_slope[1], T::one()).normalize(),
             Shape::Mesh(_) => {
                 let [smooth, facet] = self.mesh_normals;
-                let side = self.p.dot(facet);
+                let across = self.p.dot(facet);
                 let along = self.p.dot(smooth);
-                let reflected = side - c::<T>(2.0) * along * smooth.dot(facet);
-                let keep = along * side > T::zero() && reflected * side < T::zero();
+                let reflected = across - c::<T>(2.0) * along * smooth.dot(facet);
+                let keep = along * across > T::zero() && reflected * across < T::zero();
                 if keep { smooth } else { facet }
             }
         }

@@ -110,7 +110,7 @@ impl<'m, T: Real> Path<'m, T> {
                 self.leave_trail();
                 self.normal = V3::up();
                 if self.kernel.deformed() && self.model.faces[top].share != zero {
-                    self.normal = self.surface_normal(top, self.o);
+                    self.normal = self.surface_normal(top, self.o, zero);
                 }
             }
             let sin_sq = self.draw();

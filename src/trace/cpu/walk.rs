@@ -216,7 +216,7 @@ impl<T: Real> Path<'_, T> {
         }
         let mut normal = V3::up();
         if deformed && self.model.faces[i].share != zero {
-            normal = self.surface_normal(i, self.o);
+            normal = self.surface_normal(i, self.o, side);
         } else {
             self.o.z = self.model.faces[i].z;
         }
