@@ -103,6 +103,16 @@ pub(super) fn figure(value: f64) -> String {
     }
 }
 
+/// A value and its interval with two digits of the interval's half width.
+pub(super) fn interval(value: f64, low: f64, high: f64) -> (String, String) {
+    let half_width = 0.5 * (high - low);
+    let decimals = match half_width > 0.0 {
+        true => (1.0 - half_width.log10().floor()).clamp(0.0, 9.0) as usize,
+        false => return (figure(value), format!("{} to {}", figure(low), figure(high))),
+    };
+    (format!("{value:.decimals$}"), format!("{low:.decimals$} to {high:.decimals$}"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,6 +124,17 @@ mod tests {
         {
             assert_eq!(figure(value), text);
         }
+    }
+
+    #[test]
+    fn intervals_show_the_digits_they_support() {
+        let both = |v, l, h| {
+            let (value, range) = interval(v, l, h);
+            format!("{value} ({range})")
+        };
+        assert_eq!(both(128.123, 127.9, 128.4), "128.12 (127.90 to 128.40)");
+        assert_eq!(both(2_331_640.4, 2_330_750.0, 2_332_530.0), "2331640 (2330750 to 2332530)");
+        assert_eq!(both(5.0, 5.0, 5.0), "5 (5 to 5)");
     }
 
     #[test]

@@ -88,7 +88,8 @@ fn estimates(figures: &Figures, reading: &Reading) -> Section {
         Item::from_estimates(&figures.estimates),
         Item::Text(format!(
             "Figures of the image as the TSIS paper defines them, of {image}, with a threshold of {} grey levels. \
-             Intervals say how well the image's figures are known, not how well the object's.",
+             Intervals say how well the image's figures are known, not how well the object's: the lit area holds all \
+             that glows, which is wider than what presses and grows with brightness.",
             reading.threshold
         )),
         Item::from_paper(&figures.paper),

@@ -1,6 +1,6 @@
 //! `run`: from a scene to estimates and a report.
 
-use super::facts::{columns, facts, ledger};
+use super::facts::{columns, facts, interval, ledger};
 use super::job::Job;
 use super::measure::{Figures, Reading};
 use super::page::report;
@@ -99,10 +99,10 @@ fn text(shot: &Shot, figures: &Figures, reading: &Reading, out: &str) -> String 
 
 /// A value with its interval, or why there is none.
 pub(super) fn said(value: &Estimate, unit: &str) -> String {
-    use super::facts::figure;
     match value {
         Estimate::Known { value, low, high } => {
-            format!("{} {unit} (95 %: {} to {})", figure(*value), figure(*low), figure(*high))
+            let (value, range) = interval(*value, *low, *high);
+            format!("{value} {unit} (95 %: {range})")
         }
         Estimate::Undefined { reason } => format!("undefined: {reason}"),
     }

@@ -185,13 +185,15 @@ impl<'a> Shot<'a> {
     }
 }
 
-/// Logarithmic where a few pixels (glints) are far brighter than the hundredth brightest: on a linear scale they alone would show.
+/// Logarithmic where a few pixels (glints) are far brighter than the hundredth brightest and dimmer ones lie more than a
+/// decade below: on a linear scale the glints alone would show.
 fn scale_of(values: &[f64]) -> ColorScale {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let percentile = sorted.get(sorted.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(0.0);
+    let dimmest = sorted.iter().copied().find(|&value| value > 0.0).unwrap_or(0.0);
     match sorted.last() {
-        Some(&most) if most > 10.0 * percentile => ColorScale::Log,
+        Some(&most) if most > 10.0 * percentile.max(dimmest) => ColorScale::Log,
         _ => ColorScale::Linear,
     }
 }
@@ -199,4 +201,24 @@ fn scale_of(values: &[f64]) -> ColorScale {
 /// Segments of camera paths and photons for each second of tracing.
 pub(super) fn segments_per_second(outcome: &Outcome) -> f64 {
     outcome.segments as f64 / outcome.seconds.max(1e-9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn glints_beside_something_dimmer_ask_for_a_logarithmic_scale() {
+        let image = |dim: f64, glint: f64| {
+            let mut values = vec![0.0; 1000];
+            values[..100].fill(dim);
+            values[999] = glint;
+            scale_of(&values)
+        };
+        assert_eq!(image(1.0, 20.0), ColorScale::Log);
+        assert_eq!(image(1.0, 5.0), ColorScale::Linear);
+        // Glints alone, or darkness.
+        assert_eq!(image(0.0, 5.0), ColorScale::Linear);
+        assert_eq!(image(0.0, 0.0), ColorScale::Linear);
+    }
 }
