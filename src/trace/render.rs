@@ -85,7 +85,7 @@ pub struct Outcome {
     pub paths: u64,
     /// Photons.
     pub photons: u64,
-    /// Segments of both.
+    /// Segments of both, without those of a ledger traced on its own.
     pub segments: u64,
     /// Camera paths per pixel.
     pub spp: u64,
@@ -165,6 +165,7 @@ pub fn render(
         }
     }
     let seconds = start.elapsed().as_secs_f64();
+    let segments = batch.totals.segments;
     if needs_ledger {
         batch.ledger(LEDGER_PHOTONS, &mut |_, _| observe(Stage { done: 1.0, what: "flux ledger" }))?;
     }
@@ -189,7 +190,7 @@ pub fn render(
         notice,
         paths: totals.paths,
         photons: totals.photons,
-        segments: totals.segments,
+        segments,
         spp: totals.paths / pixels,
         seconds,
         setup_seconds,

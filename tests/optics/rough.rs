@@ -53,23 +53,11 @@ fn small_roughness_takes_its_share_of_the_refracted_light_too() {
 }
 
 #[test]
-fn small_roughness_keeps_every_weight() {
-    let model = rough(Roughness::Small { rms_nm: 100.0, lobe_slope: 0.1 });
-    let [lost] = bench::sums(&model, 32, 1 << 20, |path| {
-        let angle = 89.0 * path.draw();
-        bench::put(path, 1, [0.0, 0.0, 1.0], incident(angle));
-        let through = path.meet(1, V3::up(), 1.0);
-        // It also ends on the side it should.
-        assert_eq!(path.p.z > 0.0, through);
-        [1.0 - path.weight]
-    });
-    assert_eq!(lost, 0.0);
-}
-
-#[test]
-fn microfacets_never_gain_weight() {
-    for alpha in [0.05, 0.2, 0.5] {
-        let model = rough(Roughness::Microfacet { alpha });
+fn roughness_never_gains_weight() {
+    let small = [20.0, 100.0].map(|rms_nm| Roughness::Small { rms_nm, lobe_slope: 0.1 });
+    let facets = [0.05, 0.2, 0.5].map(|alpha| Roughness::Microfacet { alpha });
+    for roughness in small.into_iter().chain(facets) {
+        let model = rough(roughness);
         for side in [1.0, -1.0] {
             let (layer, n) = if side > 0.0 { (1, 1.41) } else { (2, 1.0) };
             let trials = 1 << 18;
@@ -82,7 +70,7 @@ fn microfacets_never_gain_weight() {
                 [1.0 - path.weight]
             });
             // What single scattering loses to shadows and to facets that send it back, for the record.
-            println!("loss at alpha {alpha}, side {side}: {:.4}", lost / trials as f64);
+            println!("loss of {roughness:?}, side {side}: {:.4}", lost / trials as f64);
             assert!(lost > 0.0);
         }
     }
@@ -137,7 +125,8 @@ fn reciprocal(roughness: Roughness) {
     });
     for k in 0..2 * RINGS {
         let four = 4.0 * sums[16 + k].sqrt() / sums[8 + k];
-        assert!(four < 0.01);
+        // Fine enough to see 2 %; lobes that looked at the angle of entry alone were off by up to 31 %.
+        assert!(four < 0.02);
         close(&format!("ring {k}"), sums[k] / sums[8 + k], 1.0, four);
     }
 }
@@ -146,4 +135,10 @@ fn reciprocal(roughness: Roughness) {
 fn microfacets_are_reciprocal() {
     reciprocal(Roughness::Microfacet { alpha: 0.3 });
     reciprocal(Roughness::None);
+}
+
+#[test]
+fn small_roughness_is_reciprocal() {
+    reciprocal(Roughness::Small { rms_nm: 20.0, lobe_slope: 0.1 });
+    reciprocal(Roughness::Small { rms_nm: 100.0, lobe_slope: 0.3 });
 }
