@@ -11,8 +11,22 @@ use std::process::{Command, Output};
 use tirtouch::film::{BlockAccumulator, Film};
 use tirtouch::image_io::{Provenance, write_radiance};
 
+#[path = "cli/bad_input.rs"]
+mod bad_input;
+#[path = "cli/estimate.rs"]
+mod estimate;
+#[path = "cli/inspect.rs"]
+mod inspect;
+#[path = "cli/jobs.rs"]
+mod jobs;
+
 fn tirtouch(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tirtouch")).args(arguments).output().unwrap()
+}
+
+/// Runs in a folder of its own, so that default folders land there.
+fn tirtouch_in(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_tirtouch")).args(arguments).current_dir(folder).output().unwrap()
 }
 
 fn code(output: &Output) -> i32 {
@@ -63,12 +77,33 @@ impl Place {
         self.0.path()
     }
 
+    fn write(&self, name: &str, text: &str) -> String {
+        std::fs::write(self.path().join(name), text).unwrap();
+        name.to_owned()
+    }
+
+    /// Names of everything in it.
+    fn names(&self) -> Vec<PathBuf> {
+        let mut names: Vec<PathBuf> =
+            std::fs::read_dir(self.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
+        names.sort();
+        names
+    }
+
     fn radiance(&self, name: &str, film: &Film, unit: &str) -> String {
         let path = self.path().join(name);
         let provenance = Provenance { unit: unit.into(), scene_name: name.into(), ..Provenance::default() };
         write_radiance(&path, film, &Provenance { scene_sha256: name.into(), ..provenance }).unwrap();
         shown(path)
     }
+}
+
+/// A scene of the repository with a camera of 48 x 36 pixels.
+fn small(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let line = text.lines().find(|line| line.starts_with("pixels = ")).unwrap();
+    text.replace(line, "pixels = [48, 36]")
 }
 
 fn shown(path: PathBuf) -> String {

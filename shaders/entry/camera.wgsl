@@ -59,12 +59,15 @@ fn camera(@builtin(global_invocation_id) id: vec3u) {
     let pixel = run.first + id.x;
     var sum = Fixed(film[4u * pixel], film[4u * pixel + 1u]);
     segments = 0u;
+    var finished = 0u;
     for (var s = 0u; s < run.samples; s += 1u) {
         start_random(pixel, run.first_sample + s);
         record_start(id.x * run.samples + s);
         sum = add_fixed(sum, to_fixed(camera_path(pixel) * FILM_SCALE));
+        finished += 1u;
     }
     film[4u * pixel] = sum.low;
     film[4u * pixel + 1u] = sum.high;
     film[4u * pixel + 2u] += segments;
+    film[4u * pixel + 3u] += finished;
 }

@@ -19,6 +19,7 @@ const NO_TABLE: u32 = 0xffffffffu;
 const TABLE_EDGE: u32 = 64u;   // cells in u = sin^2(theta) and in phi
 
 override LED_TABLES: bool = false;
+override COSINE_POWER: bool = false;
 
 @group(0) @binding(4) var<uniform> leds: array<Led, 64>;
 @group(0) @binding(5) var<storage, read> led_tables: array<vec2f>;   // relative radiance, cumulative share of the power
@@ -53,7 +54,8 @@ fn led_radiance(k: u32, c: f32, v: vec3f) -> f32 {
         let phi = atan2(-along_of(leds[k].wall, v), -v.z);
         return leds[k].radiance * led_tables[table_cell(k, 1.0 - c * c, phi)].x;
     }
-    return leds[k].radiance * select(pow(c, leds[k].exponent - 1.0), 1.0, leds[k].exponent == 1.0);
+    if (COSINE_POWER && leds[k].exponent != 1.0) { return leds[k].radiance * pow(c, leds[k].exponent - 1.0); }
+    return leds[k].radiance;
 }
 
 // Radiance over n^2 that a camera path ended with (at a wall or beyond it) finds.
@@ -61,7 +63,7 @@ fn light_at_end(end: u32) -> f32 {
     if (end == END_WALL) {
         let k = wall_led();
         if (k == scene.led_count) { return 0.0; }
-        let n = layers[path.layer].n;
+        let n = layer_n(path.layer);
         record(600u + k, 1.0);
         return led_radiance(k, dot(path.p, wall_axis(path.wall)) / n, path.p / n) / (n * n);
     }
@@ -99,7 +101,8 @@ fn led_direction(k: u32) -> vec2f {
     // cos^m: 1 - cos^(m+1) is uniform up to the cut-off.
     let x = 1.0 - u * leds[k].launch;
     let m = leds[k].exponent;
-    let cos_sq = select(pow(x, 2.0 / (m + 1.0)), x, m == 1.0);
+    var cos_sq = x;
+    if (COSINE_POWER && m != 1.0) { cos_sq = pow(x, 2.0 / (m + 1.0)); }
     return vec2f(1.0 - cos_sq, TAU * v);
 }
 
@@ -135,16 +138,16 @@ fn launch() -> u32 {
         // To the wall's plane; a ray that misses the wall is lost beside it.
         path.o = select(path.o, face * out, abs(out) > vec3f(0.5));
         let width = select(scene.half_size.x, scene.half_size.y, wall < 2u);
-        if (abs(along_of(wall, path.o)) >= width || path.o.z <= 0.0 || path.o.z >= faces[scene.layer_count].z) { return END_SIDES; }
+        if (abs(along_of(wall, path.o)) >= width || path.o.z <= 0.0 || path.o.z >= face_z(scene.layer_count)) { return END_SIDES; }
     }
     path.layer = layer_at(path.o);
     if (leds[k].air == 0u) {
-        path.p = layers[path.layer].n * d;
+        path.p = layer_n(path.layer) * d;
         return GOES_ON;
     }
     let a = -dot(path.p, out);
     let n_sq = scene.surround_n * scene.surround_n;
-    let dn_sq = -layers[path.layer].side_dn_sq;
+    let dn_sq = -layer_side_dn_sq(path.layer);
     let b_sq = dn_sq + a * a;
     let f = reflectance(a, dn_sq, n_sq);
     let u = draw();
@@ -158,8 +161,8 @@ fn launch() -> u32 {
 fn layer_at(o: vec3f) -> u32 {
     var k = 1u;
     for (var i = 1u; i < scene.layer_count; i += 1u) {
-        var z = faces[i].z;
-        if (DEFORMED && faces[i].share != 0.0) { z = surface_height(i, o.xy); }
+        var z = face_z(i);
+        if (DEFORMED && face_share(i) != 0.0) { z = surface_height(i, o.xy); }
         k += select(0u, 1u, o.z > z);
     }
     return k;

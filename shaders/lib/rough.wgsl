@@ -1,6 +1,6 @@
 // Rough interfaces. Small roughness: a share 1 - exp(-g) of the light leaves the mirror (or refracted) direction for a
 // lobe; g = (2 k n sigma cos)^2 in reflection and (k sigma (n_i cos_i - n_t cos_t))^2 in transmission (Rayleigh, Beckmann
-// and Spizzichino). Microfacets: GGX with visible normals (Walter et al. 2007; Heitz 2018); the energy that single
+// and Spizzichino). The lobe is that of GGX facets, made reciprocal; what it does not return is booked as absorbed. Microfacets: GGX with visible normals (Walter et al. 2007; Heitz 2018); the energy that single
 // scattering loses to shadowing is booked as absorbed.
 
 const ROUGH_SMALL: u32 = 1u;
@@ -12,7 +12,7 @@ fn facet(normal: vec3f, side: f32, alpha: f32, layer: u32) -> vec3f {
     let axis = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(up.x) > 0.7);
     let t1 = normalize(cross(axis, up));
     let t2 = cross(up, t1);
-    let w = -path.p / layers[layer].n;
+    let w = -path.p / layer_n(layer);
     let local = vec3f(dot(w, t1), dot(w, t2), max(dot(w, up), 1e-6));
     let v = normalize(vec3f(alpha * local.xy, local.z));
     let flat_sq = dot(v.xy, v.xy);
@@ -38,7 +38,7 @@ fn smith_lambda(cos_sq: f32, alpha: f32) -> f32 {
 fn shadow(i: u32, normal: vec3f, cos_in: f32, n_out: f32, out_side: f32, correlated: bool) {
     let before = path.weight;
     let cos_out = dot(path.p, normal) / n_out;
-    let alpha = faces[i].alpha;
+    let alpha = face_alpha(i);
     let l_in = smith_lambda(cos_in * cos_in, alpha);
     let l_out = smith_lambda(cos_out * cos_out, alpha);
     // Reflection: height-correlated Smith; transmission: separable.
@@ -47,40 +47,57 @@ fn shadow(i: u32, normal: vec3f, cos_in: f32, n_out: f32, out_side: f32, correla
     book(BOOK_ABSORBED, units(before) - units(path.weight));
 }
 
+// Weight of a lobe of small roughness between a path's two sides, each with the flux that the mean plane sends into the
+// lobe (its reflectance or transmittance times 1 - exp(-g)): the smaller of both, so that the lobe is the same in both
+// directions and never gains.
+fn lobe(q_in: f32, q_out: f32) {
+    let before = path.weight;
+    path.weight = before * min(1.0, q_out / q_in);
+    book(BOOK_ABSORBED, units(before) - units(path.weight));
+}
+
+fn scattered(rough: f32, a: f32) -> f32 { return 1.0 - exp(-rough * a * a); }
+
 fn bounce(i: u32, normal: vec3f, m: vec3f, side: f32, a: f32) {
-    if (faces[i].kind == ROUGH_MICROFACET) {
-        let n = layers[path.layer].n;
-        let cos_in = dot(path.p, normal) / n;
+    let n = layer_n(path.layer);
+    let cos_in = dot(path.p, normal) / n;
+    if (face_kind(i) == ROUGH_MICROFACET) {
         mirror(m);
         shadow(i, normal, cos_in, n, -side, true);
         return;
     }
-    var f = m;
-    let incoming = path.p;
-    if (faces[i].kind == ROUGH_SMALL && draw() >= exp(-faces[i].rough * a * a)) {
-        f = facet(normal, side, faces[i].alpha, path.layer);
+    let share = scattered(face_rough(i), a);
+    if (face_kind(i) != ROUGH_SMALL || draw() >= share) {
+        mirror(m);
+        return;
     }
-    mirror(f);
-    // A lobe direction that would cross the interface falls back to the mirror direction.
-    if (dot(path.p, normal) * side >= 0.0) {
-        path.p = incoming;
-        mirror(normal);
-    }
+    let n_sq = layer_n_sq(path.layer);
+    let dn_sq = face_dn_sq(i) * side;
+    mirror(facet(normal, side, face_alpha(i), path.layer));
+    shadow(i, normal, cos_in, n, -side, true);
+    let a_out = abs(dot(path.p, normal));
+    lobe(reflectance(a, dn_sq, n_sq) * share, reflectance(a_out, dn_sq, n_sq) * scattered(face_rough(i), a_out));
 }
 
 fn refract_through(i: u32, normal: vec3f, m: vec3f, side: f32, a: f32, b: f32) {
     let next = u32(i32(path.layer) + i32(side));
-    let cos_in = dot(path.p, normal) / layers[path.layer].n;
-    if (faces[i].kind == ROUGH_SMALL && draw() >= exp(-0.25 * faces[i].rough * (a - b) * (a - b))) {
-        let f = facet(normal, side, faces[i].alpha, path.layer);
-        let along = abs(dot(path.p, f));
-        let b_sq = faces[i].dn_sq * side + along * along;
-        let q = path.p + side * (sqrt(max(b_sq, 0.0)) - along) * f;
-        if (b_sq > 0.0 && dot(q, normal) * side > 0.0) {
-            path.p = q;
-            return;
-        }
+    let cos_in = dot(path.p, normal) / layer_n(path.layer);
+    let rough = 0.25 * face_rough(i);
+    let share = scattered(rough, a - b);
+    if (face_kind(i) != ROUGH_SMALL || draw() >= share) {
+        path.p += side * (b - a) * m;
+        if (face_kind(i) == ROUGH_MICROFACET) { shadow(i, normal, cos_in, layer_n(next), side, false); }
+        return;
     }
-    path.p += side * (b - a) * m;
-    if (faces[i].kind == ROUGH_MICROFACET) { shadow(i, normal, cos_in, layers[next].n, side, false); }
+    let n_sq = layer_n_sq(path.layer);
+    let dn_sq = face_dn_sq(i) * side;
+    let f = facet(normal, side, face_alpha(i), path.layer);
+    let along = abs(dot(path.p, f));
+    let b_sq = dn_sq + along * along;
+    path.p += side * (sqrt(max(b_sq, 0.0)) - along) * f;
+    shadow(i, normal, cos_in, layer_n(next), select(side, 0.0, b_sq <= 0.0), false);
+    let a_out = abs(dot(path.p, normal));
+    let b_out = sqrt(max(a_out * a_out - dn_sq, 0.0));
+    let q_out = (1.0 - reflectance(a_out, -dn_sq, n_sq + dn_sq)) * scattered(rough, a_out - b_out);
+    lobe((1.0 - reflectance(a, dn_sq, n_sq)) * share, q_out);
 }

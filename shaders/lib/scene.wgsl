@@ -1,4 +1,4 @@
-// What the host uploads: one `Scene` and one `Run` uniform, layers, interfaces and LEDs.
+// What the host uploads: one `Scene` and one `Run` uniform.
 // Lengths are mm. Directions are optical momenta p = n * (unit direction), so that p.xy is invariant across a flat
 // interface and n_t^2 - n_i^2, prepared in f64, decides refraction without cancellation.
 
@@ -44,29 +44,13 @@ struct Run {
     pad2: u32,
 }
 
-struct Layer { n: f32, n_sq: f32, absorption: f32, side_dn_sq: f32 }
-
-struct Face {
-    z: f32,
-    share: f32,       // of the touched face's displacement; 0: flat
-    dn_sq: f32,       // n^2 above minus n^2 below
-    curvature: f32,   // bound on the second derivative of the height field
-    low: f32,         // lowest and highest displacement
-    high: f32,
-    field: u32,       // first control row of its height field
-    rough: f32,       // small: (4 pi sigma / lambda)^2; microfacet: unused
-    alpha: f32,       // GGX width of the lobe or of the microfacets
-    kind: u32,        // 0 smooth, 1 small, 2 microfacet
-    pad0: u32,
-    pad1: u32,
-}
-
+// Layers and interfaces are read through functions such as `face_z(i)`, which the host writes into the text with the
+// scene's numbers: a chain of selects over constants, on a CPU driver 1.4 times faster overall than a gather.
 @group(0) @binding(0) var<uniform> scene: Scene;
 @group(0) @binding(1) var<uniform> run: Run;
-@group(0) @binding(2) var<storage, read> layers: array<Layer>;
-@group(0) @binding(3) var<storage, read> faces: array<Face>;
 
 override DEFORMED: bool = false;
+override DEFORMED_PAIRS: bool = false;   // both faces of some layer are deformed
 override ABSORBING: bool = false;
 override CLEAR_WALLS: bool = false;
 override MIRROR_WALLS: bool = false;

@@ -2,8 +2,8 @@
 // In zeta = (z - z_i) / share the cap is part of a ball of radius R whose centre lies R - depth above the plane.
 
 fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
-    let inv = 1.0 / faces[i].share;
-    let zeta = (o.z - faces[i].z) * inv;
+    let inv = 1.0 / face_share(i);
+    let zeta = (o.z - face_z(i)) * inv;
     let d = vec3f(p.xy, p.z * inv);
     let q = vec3f(o.xy - scene.cap_center, zeta - (scene.ball_radius - scene.cap_depth));
     let a = dot(d, d);
@@ -23,8 +23,8 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
 // Within rounding of the rim either face may have been met: the one that the ray crosses outward.
 fn surface_normal(i: u32, o: vec3f, side: f32) -> vec3f {
     let q = o.xy - scene.cap_center;
-    let share = faces[i].share;
-    let zeta = (o.z - faces[i].z) / share - (scene.ball_radius - scene.cap_depth);
+    let share = face_share(i);
+    let zeta = (o.z - face_z(i)) / share - (scene.ball_radius - scene.cap_depth);
     let m = normalize(vec3f(-q, -zeta / share));
     let beyond = dot(q, q) - scene.cap_rim_sq;
     let at_rim = abs(beyond) <= 1e-5 * scene.cap_rim_sq;
@@ -37,5 +37,5 @@ fn surface_height(i: u32, xy: vec2f) -> f32 {
     let r_sq = dot(q, q);
     let r = scene.ball_radius;
     let h = r - scene.cap_depth - sqrt(max(r * r - r_sq, 0.0));
-    return faces[i].z + faces[i].share * select(0.0, h, r_sq < scene.cap_rim_sq);
+    return face_z(i) + face_share(i) * select(0.0, h, r_sq < scene.cap_rim_sq);
 }

@@ -4,6 +4,8 @@
 
 @group(0) @binding(8) var<storage, read> field: array<vec4f>;
 
+var<private> field_slope: vec2f;
+
 fn spline(u: f32) -> vec4f {
     let v = 1.0 - u;
     return vec4f(v * v * v, (3.0 * u - 6.0) * u * u + 4.0, (3.0 * v - 6.0) * v * v + 4.0, u * u * u) * (1.0 / 6.0);
@@ -21,7 +23,7 @@ fn field_at(i: u32, xy: vec2f) -> vec3f {
     let cell = clamp(floor(g), vec2f(0.0), last);
     let u = clamp(g - cell, vec2f(0.0), vec2f(1.0));
     let width = scene.field_size.x - 1u;
-    let at = faces[i].field + u32(cell.y) * width + u32(cell.x);
+    let at = face_field(i) + u32(cell.y) * width + u32(cell.x);
     let wx = spline(u.x);
     let dx = spline_slope(u.x);
     let wy = spline(u.y);
@@ -36,21 +38,29 @@ fn field_at(i: u32, xy: vec2f) -> vec3f {
 }
 
 fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
-    let zeta = o.z - faces[i].z;
+    let zeta = o.z - face_z(i);
     // Enter the slab that holds the surface.
-    let near = select(faces[i].high, faces[i].low, side > 0.0);
+    let near = select(face_high(i), face_low(i), side > 0.0);
     let outside = (near - zeta) * side > 0.0;
     var t = select(0.0, (near - zeta) / p.z, outside);
     if (outside && p.z * side <= 0.0) { return FAR; }
-    let k = max(faces[i].curvature * dot(p.xy, p.xy), 1e-12);
-    for (var n = 0u; n < 256u; n += 1u) {
+    let k = max(face_curvature(i) * dot(p.xy, p.xy), 1e-12);
+    for (var n = 0u; n < 1024u; n += 1u) {
         if (t >= t_max) { return FAR; }
         let h = field_at(i, o.xy + t * p.xy);
         let g = max(side * (h.x - (zeta + t * p.z)), 0.0);
         let slope = side * (h.y * p.x + h.z * p.y - p.z);
-        let root = sqrt(slope * slope + 2.0 * k * g);
-        let step = select((root + slope) / k, 2.0 * g / (root - slope), slope < 0.0);
-        if (slope < 0.0 && step < 1e-6) { return t; }
+        // Leaving or along the surface the gap counts as the rounding of a height at least, and for a ray that still runs
+        // in the surface as more, up to 1e-4 mm, so that it gets on.
+        let least = min(1e-6 + 4e-9 * f32(n * n), 1e-4);
+        let gap = select(max(g, least), g, slope < 0.0);
+        let root = sqrt(slope * slope + 2.0 * k * gap);
+        let step = select((root + slope) / k, 2.0 * gap / (root - slope), slope < 0.0);
+        // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k step.
+        if (slope < 0.0 && step < 1e-5) {
+            field_slope = h.yz;
+            return t + step;
+        }
         t += max(step, 1e-7);
         let z = zeta + t * p.z;
         if ((near - z) * side > 0.0 && p.z * side <= 0.0) { return FAR; }
@@ -59,8 +69,11 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
     return FAR;
 }
 
-fn surface_normal(i: u32, o: vec3f, side: f32) -> vec3f {
-    return normalize(vec3f(-field_at(i, o.xy).yz, 1.0));
-}
+// At the crossing just found.
+fn surface_normal(i: u32, o: vec3f, side: f32) -> vec3f { return normalize(vec3f(-field_slope, 1.0)); }
 
-fn surface_height(i: u32, xy: vec2f) -> f32 { return faces[i].z + field_at(i, xy).x; }
+fn surface_height(i: u32, xy: vec2f) -> f32 {
+    let h = field_at(i, xy);
+    field_slope = h.yz;
+    return face_z(i) + h.x;
+}

@@ -79,7 +79,7 @@ fn surface_normal(i: u32, o: vec3f, side: f32) -> vec3f {
 }
 
 fn surface_height(i: u32, xy: vec2f) -> f32 {
-    let low = faces[i].z + faces[i].low - 1.0;
+    let low = face_z(i) + face_low(i) - 1.0;
     let t = surface_cross(i, vec3f(xy, low), vec3f(0.0, 0.0, 1.0), 1.0, FAR);
-    return select(low + t, faces[i].z, t >= FAR);
+    return select(low + t, face_z(i), t >= FAR);
 }

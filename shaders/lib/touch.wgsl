@@ -28,7 +28,7 @@ fn contact_share(xy: vec2f) -> f32 {
 
 // Reflectance of true contact (x) and of the gap (y), from the guide; a = n_top cos.
 fn touch_reflectance(a: f32) -> vec2f {
-    let n_sq = layers[scene.layer_count].n_sq;
+    let n_sq = layer_n_sq(scene.layer_count);
     let contact = reflectance(a, scene.tissue_dn_sq, n_sq);
     let g_sq = scene.gap_dn_sq + a * a;
     let b_sq = scene.tissue_dn_sq + a * a;
@@ -69,7 +69,7 @@ fn tissue_walk() -> u32 {
             if (!inside(xy)) { return END_TOP; }
             path.o = vec3f(xy, surface_height(top, xy));
             path.normal = vec3f(0.0, 0.0, 1.0);
-            if (DEFORMED && faces[top].share != 0.0) { path.normal = surface_normal(top, path.o, 0.0); }
+            if (DEFORMED && face_share(top) != 0.0) { path.normal = surface_normal(top, path.o, 0.0); }
         }
         let sin_sq = draw();
         let phi = TAU * draw();

@@ -22,7 +22,7 @@ fn splat(xy: vec2f, w: f32) {
     let n_0 = scene.surround_n;
     var low = 0.0;
     var high = n_0;
-    var s = r / (scene.camera_distance / n_0 + faces[scene.layer_count].z / layers[1].n);
+    var s = r / (scene.camera_distance / n_0 + face_z(scene.layer_count) / layer_n(1));
     if (s >= high) { s = 0.5 * high; }
     var slope = 0.0;
     for (var it = 0u; it < 24u; it += 1u) {
@@ -30,10 +30,10 @@ fn splat(xy: vec2f, w: f32) {
         var reach = scene.camera_distance * s / c_0;
         slope = scene.camera_distance * n_0 * n_0 / (c_0 * c_0 * c_0);
         for (var k = 1u; k <= scene.layer_count; k += 1u) {
-            let c = sqrt(layers[k].n_sq - s * s);
-            let d = faces[k].z - faces[k - 1u].z;
+            let c = sqrt(layer_n_sq(k) - s * s);
+            let d = face_z(k) - face_z(k - 1u);
             reach += d * s / c;
-            slope += d * layers[k].n_sq / (c * c * c);
+            slope += d * layer_n_sq(k) / (c * c * c);
         }
         if (reach > r) { high = s; } else { low = s; }
         let next = s + (r - reach) / slope;
@@ -41,13 +41,13 @@ fn splat(xy: vec2f, w: f32) {
         if (abs(step - s) < 1e-7) { break; }
         s = step;
     }
-    let a = sqrt(max(layers[scene.layer_count].n_sq - s * s, 0.0));
+    let a = sqrt(max(layer_n_sq(scene.layer_count) - s * s, 0.0));
     var through = 1.0 - boundary(xy, a).x;
     var c = a;
     for (var k = scene.layer_count; k > 0u; k -= 1u) {
-        if (ABSORBING) { through *= exp(-layers[k].absorption * (faces[k].z - faces[k - 1u].z) * layers[k].n / c); }
-        let below = sqrt(max(c * c - faces[k - 1u].dn_sq, 0.0));
-        through *= 1.0 - fresnel(c, below, layers[k].n_sq, layers[k].n_sq - faces[k - 1u].dn_sq);
+        if (ABSORBING) { through *= exp(-layer_absorption(k) * (face_z(k) - face_z(k - 1u)) * layer_n(k) / c); }
+        let below = sqrt(max(c * c - face_dn_sq(k - 1u), 0.0));
+        through *= 1.0 - fresnel(c, below, layer_n_sq(k), layer_n_sq(k) - face_dn_sq(k - 1u));
         c = below;
     }
     let cos_c = c / n_0;

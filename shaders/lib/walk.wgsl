@@ -5,18 +5,45 @@ fn safe_divide(a: f32, b: f32) -> f32 { return select(a / b, FAR, b == 0.0); }
 
 // First crossing of interface i from below (side 1) or above (side -1).
 fn cross_face(i: u32, side: f32, t_max: f32) -> f32 {
-    if (faces[i].share != 0.0) { return surface_cross(i, path.o, path.p, side, t_max); }
-    let t = select(FAR, (faces[i].z - path.o.z) / path.p.z, path.p.z * side > 0.0);
+    if (face_share(i) != 0.0) { return surface_cross(i, path.o, path.p, side, t_max); }
+    return cross_plane(i, side);
+}
+
+fn cross_plane(i: u32, side: f32) -> f32 {
+    let t = select(FAR, (face_z(i) - path.o.z) / path.p.z, path.p.z * side > 0.0);
     return max(t, 0.0);
+}
+
+struct Crossing { t: f32, up: bool }
+
+// First crossing of the path's layer's two faces.
+fn cross_layer(t_wall: f32) -> Crossing {
+    let top = scene.layer_count;
+    let above = min(path.layer, top);
+    let below = path.layer - 1u;
+    if (DEFORMED_PAIRS) {
+        let t_up = select(FAR, cross_face(above, 1.0, t_wall), path.layer <= top);
+        let t_down = cross_face(below, -1.0, min(t_wall, t_up));
+        return Crossing(min(t_up, t_down), t_up < t_down);
+    }
+    // At most one of a layer's faces is deformed: one search serves whichever it is.
+    let curved_up = path.layer <= top && face_share(above) != 0.0;
+    let curved = select(below, above, curved_up);
+    let side = select(-1.0, 1.0, curved_up);
+    let flat_up = select(FAR, cross_plane(above, 1.0), path.layer <= top);
+    let t_flat = select(flat_up, cross_plane(below, -1.0), curved_up);
+    var t_curved = select(cross_plane(below, -1.0), FAR, curved_up);
+    if (face_share(curved) != 0.0) { t_curved = surface_cross(curved, path.o, path.p, side, min(t_wall, t_flat)); }
+    return Crossing(min(t_flat, t_curved), select(t_flat < t_curved, t_curved < t_flat, curved_up));
 }
 
 // Reflection or refraction at interface i with unit normal `normal` (upward), met from below (side 1) or above (-1).
 // Returns true when the path was transmitted. Radiance over n^2 is invariant, so no weight changes here.
 fn meet(i: u32, normal: vec3f, side: f32) -> bool {
-    let n_sq = layers[path.layer].n_sq;
-    let dn_sq = faces[i].dn_sq * side;
+    let n_sq = layer_n_sq(path.layer);
+    let dn_sq = face_dn_sq(i) * side;
     var m = normal;
-    if (ROUGH && faces[i].kind == ROUGH_MICROFACET) { m = facet(normal, side, faces[i].alpha, path.layer); }
+    if (ROUGH && face_kind(i) == ROUGH_MICROFACET) { m = facet(normal, side, face_alpha(i), path.layer); }
     let along = dot(path.p, m);
     let a = abs(along);
     let b_sq = dn_sq + a * a;
@@ -58,7 +85,7 @@ fn roulette() -> u32 {
 
 fn absorb(length: f32) {
     let before = path.weight;
-    path.weight = before * exp(-layers[path.layer].absorption * length);
+    path.weight = before * exp(-layer_absorption(path.layer) * length);
     book(BOOK_ABSORBED, units(before) - units(path.weight));
 }
 
@@ -68,12 +95,12 @@ fn meet_wall() -> u32 {
         let along_x = path.wall < 2u;
         let q = select(path.p.y, path.p.x, along_x);
         let a = abs(q);
-        let b_sq = layers[path.layer].side_dn_sq + a * a;
+        let b_sq = layer_side_dn_sq(path.layer) + a * a;
         var r = 1.0;
         var u = 0.0;
         if (b_sq > 0.0) {
-            let n_sq = layers[path.layer].n_sq;
-            r = fresnel(a, sqrt(b_sq), n_sq, n_sq + layers[path.layer].side_dn_sq);
+            let n_sq = layer_n_sq(path.layer);
+            r = fresnel(a, sqrt(b_sq), n_sq, n_sq + layer_side_dn_sq(path.layer));
             u = draw();
         }
         record(256u + path.wall * 2u + select(1u, 0u, u < r), select(abs(u - r), abs(b_sq), b_sq <= 0.0));
@@ -95,65 +122,79 @@ fn meet_wall() -> u32 {
     return END_WALL;
 }
 
-fn walk() -> u32 {
+// One turn of the walk: a segment and what waits at its end. `curved`: a face of the layer may be deformed.
+fn step(curved: bool) -> u32 {
     let top = scene.layer_count;
-    loop {
-        let ended = roulette();
-        if (ended != GOES_ON) { return ended; }
-        book_segment();
-        let o = path.o;
-        let p = path.p;
-        let rim = select(-scene.half_size, scene.half_size, p.xy > vec2f(0.0));
-        let tx = safe_divide(rim.x - o.x, p.x);
-        let ty = safe_divide(rim.y - o.y, p.y);
-        let t_wall = max(min(tx, ty), 0.0);
-        var t_face: f32;
-        var i: u32;
-        var side: f32;
-        if (DEFORMED) {
-            let t_up = select(FAR, cross_face(min(path.layer, top), 1.0, t_wall), path.layer <= top);
-            let t_down = cross_face(path.layer - 1u, -1.0, min(t_wall, t_up));
-            let up = t_up < t_down;
-            t_face = min(t_up, t_down);
-            i = select(path.layer - 1u, path.layer, up);
-            side = select(-1.0, 1.0, up);
-            if (lost_here()) { return END_LOST; }
-        } else {
-            let up = p.z > 0.0;
-            i = select(path.layer - 1u, path.layer, up);
-            side = select(-1.0, 1.0, up);
-            t_face = max(safe_divide(faces[i].z - o.z, p.z), 0.0);
-        }
-        let t = min(t_face, t_wall);
-        path.o = o + t * p;
-        if (ABSORBING) { absorb(t * layers[path.layer].n); }
-        if (t_wall < t_face) {
-            let at_x = tx < ty;
-            if (at_x) { path.o.x = rim.x; } else { path.o.y = rim.y; }
-            path.wall = select(select(3u, 2u, p.y > 0.0), select(1u, 0u, p.x > 0.0), at_x);
-            if (DEFORMED && path.layer > top) { return select(END_SIDES, END_TOP, p.z > 0.0); }
-            let at_wall = meet_wall();
-            if (at_wall != GOES_ON) { return at_wall; }
-            continue;
-        }
-        if (t >= FAR) { return select(END_LOST, END_TOP, DEFORMED && path.layer > top); }
-        var normal = vec3f(0.0, 0.0, 1.0);
-        if (DEFORMED && faces[i].share != 0.0) {
-            normal = surface_normal(i, path.o, side);
-        } else {
-            path.o.z = faces[i].z;
-        }
-        if (TOUCHED && i == top && side > 0.0 && tissue_here(path.o.xy)) {
-            path.normal = normal;
-            return END_TOUCH;
-        }
-        if (meet(i, normal, side)) {
-            path.layer = u32(i32(path.layer) + i32(side));
-            if (path.layer == 0u) { return END_BOTTOM; }
-            if (!DEFORMED && path.layer > top) { return END_TOP; }
-        } else if (ROUGH && path.weight == 0.0) {
-            return END_ABSORBED;
-        }
+    let ended = roulette();
+    if (ended != GOES_ON) { return ended; }
+    book_segment();
+    let o = path.o;
+    let p = path.p;
+    let rim = select(-scene.half_size, scene.half_size, p.xy > vec2f(0.0));
+    let tx = safe_divide(rim.x - o.x, p.x);
+    let ty = safe_divide(rim.y - o.y, p.y);
+    let t_wall = max(min(tx, ty), 0.0);
+    var t_face: f32;
+    var up = p.z > 0.0;
+    if (curved) {
+        let crossing = cross_layer(t_wall);
+        t_face = crossing.t;
+        up = crossing.up;
+        if (lost_here()) { return END_LOST; }
+    } else {
+        t_face = max(safe_divide(face_z(select(path.layer - 1u, path.layer, up)) - o.z, p.z), 0.0);
     }
-    return END_LOST;
+    let i = select(path.layer - 1u, path.layer, up);
+    let side = select(-1.0, 1.0, up);
+    let t = min(t_face, t_wall);
+    path.o = o + t * p;
+    if (ABSORBING) { absorb(t * layer_n(path.layer)); }
+    if (t_wall < t_face) {
+        let at_x = tx < ty;
+        if (at_x) { path.o.x = rim.x; } else { path.o.y = rim.y; }
+        path.wall = select(select(3u, 2u, p.y > 0.0), select(1u, 0u, p.x > 0.0), at_x);
+        if (curved && path.layer > top) { return select(END_SIDES, END_TOP, p.z > 0.0); }
+        return meet_wall();
+    }
+    if (t >= FAR) { return select(END_LOST, END_TOP, curved && path.layer > top); }
+    var normal = vec3f(0.0, 0.0, 1.0);
+    if (curved && face_share(i) != 0.0) {
+        normal = surface_normal(i, path.o, side);
+    } else {
+        path.o.z = face_z(i);
+    }
+    if (TOUCHED && i == top && up && tissue_here(path.o.xy)) {
+        path.normal = normal;
+        return END_TOUCH;
+    }
+    if (meet(i, normal, side)) {
+        path.layer = u32(i32(path.layer) + i32(side));
+        if (path.layer == 0u) { return END_BOTTOM; }
+        if (!DEFORMED && path.layer > top) { return END_TOP; }
+    } else if (ROUGH && path.weight == 0.0) {
+        return END_ABSORBED;
+    }
+    return GOES_ON;
+}
+
+// To the next wall, exit or tissue. Layers between flat faces have a loop of their own: drivers that run a search for all
+// lanes if one needs it then run it once a passage of a curved layer, not once a segment.
+fn walk() -> u32 {
+    var end = GOES_ON;
+    loop {
+        loop {
+            if (DEFORMED && in_curved_layer()) { break; }
+            end = step(false);
+            if (end != GOES_ON) { break; }
+        }
+        if (end != GOES_ON || !DEFORMED) { break; }
+        end = step(true);
+        if (end != GOES_ON) { break; }
+    }
+    return end;
+}
+
+fn in_curved_layer() -> bool {
+    let top = scene.layer_count;
+    return path.layer > top || face_share(path.layer) != 0.0 || face_share(path.layer - 1u) != 0.0;
 }

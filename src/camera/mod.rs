@@ -1,1 +1,11 @@
-//! From radiance to grey values.
+//! From radiance to grey values: where each pixel looks, how many electrons it collects, what it reads.
+//!
+//! Pixel coordinates are (column, row) in pixels from the upper left corner of the image; the centre of the first
+//! pixel is (0.5, 0.5). Columns run along +x and rows against +y, as in [`crate::film::Film`].
+
+pub mod exposure;
+pub mod noise;
+pub mod projection;
+
+pub use exposure::{ExposureError, Frame, expected_electrons, expose};
+pub use projection::{ProjectionError, View, mm_per_pixel};

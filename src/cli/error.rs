@@ -1,7 +1,14 @@
 //! How a command ends.
 
+use crate::camera::ProjectionError;
+use crate::camera::exposure::ExposureError;
+use crate::estimate::CalibrationError;
 use crate::film::compare::CompareError;
 use crate::image_io::ImageError;
+use crate::report::PictureError;
+use crate::scene::SceneError;
+use crate::surface::SurfaceError;
+use crate::trace::TraceError;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -132,6 +139,76 @@ impl From<ImageError> for Failure {
 
 impl From<CompareError> for Failure {
     fn from(error: CompareError) -> Self {
+        Self::input(error.to_string())
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        let failure = Self::input(error.to_string()).in_file(&error.file);
+        Self { line: error.line, key: error.key, ..failure }
+    }
+}
+
+impl From<SurfaceError> for Failure {
+    fn from(error: SurfaceError) -> Self {
+        let failure = Self::input(error.to_string());
+        match error {
+            SurfaceError::File { key, file, .. } => failure.in_file(&file).at_key(key),
+            SurfaceError::Shape { key, .. } => failure.at_key(key),
+        }
+    }
+}
+
+impl From<TraceError> for Failure {
+    fn from(error: TraceError) -> Self {
+        match error {
+            TraceError::Unsuited(_) => Self::usage(error.to_string()),
+            TraceError::Stopped => Self::cancelled(),
+            TraceError::NoAdapter
+            | TraceError::DeviceLost(_)
+            | TraceError::Memory { .. }
+            | TraceError::Driver(_)
+            | TraceError::Lost { .. }
+            | TraceError::Truncated(_)
+            | TraceError::CutShort { .. } => Self::failed(error.to_string()),
+        }
+    }
+}
+
+impl From<ExposureError> for Failure {
+    fn from(error: ExposureError) -> Self {
+        Self::input(error.to_string())
+    }
+}
+
+impl From<ProjectionError> for Failure {
+    fn from(error: ProjectionError) -> Self {
+        Self::input(error.to_string())
+    }
+}
+
+impl From<PictureError> for Failure {
+    fn from(error: PictureError) -> Self {
+        Self::failed(error.to_string())
+    }
+}
+
+impl From<CalibrationError> for Failure {
+    fn from(error: CalibrationError) -> Self {
+        let failure = Self::input(error.to_string());
+        match error {
+            CalibrationError::Read { file, .. } => failure.in_file(Path::new(&file)),
+            CalibrationError::Parse { file, line, .. } => failure.in_file(Path::new(&file)).at_line(line),
+            CalibrationError::Value { file, line, key, .. } => {
+                failure.in_file(Path::new(&file)).at_line(line).at_key(key)
+            }
+        }
+    }
+}
+
+impl From<crate::estimate::ImageError> for Failure {
+    fn from(error: crate::estimate::ImageError) -> Self {
         Self::input(error.to_string())
     }
 }

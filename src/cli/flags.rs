@@ -2,6 +2,7 @@
 
 use super::Failure;
 use crate::scene::Integrator;
+use crate::trace::{self, BackendChoice, Settings};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -17,7 +18,7 @@ pub struct Talk {
 }
 
 /// Flags of the commands that compute and write a folder.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct Common {
     /// Folder to write, in whole or not at all [default: out/NAME].
     #[arg(short, long, value_name = "DIR")]
@@ -44,10 +45,10 @@ pub struct Common {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_negative_numbers = true)]
     pub photons: Option<u64>,
     /// Compute for so many seconds, counted from after compilation.
-    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, conflicts_with_all = ["spp", "photons", "target_error"])]
     pub seconds: Option<f64>,
     /// Compute until the relative error is at most this.
-    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true, conflicts_with_all = ["spp", "photons"])]
     pub target_error: Option<f64>,
     #[command(flatten)]
     #[allow(missing_docs)] // a doc comment here would replace the command's help
@@ -89,6 +90,30 @@ impl Common {
             (Backend::Auto, Precision::F64) => Ok(Backend::Cpu),
             (backend, _) => Ok(backend),
         }
+    }
+
+    /// How to render a scene: its own settings where no flag says otherwise.
+    ///
+    /// # Errors
+    /// When they ask for f64 on the GPU.
+    pub fn settings(&self, scene: &crate::scene::Render) -> Result<Settings, Failure> {
+        Ok(Settings {
+            integrator: self.integrator.unwrap_or(scene.integrator),
+            spp: self.spp.unwrap_or(scene.spp),
+            photons: self.photons.or(scene.photons),
+            seconds: self.seconds,
+            target_error: self.target_error,
+            seed: self.seed.unwrap_or(scene.seed),
+            backend: match self.backend()? {
+                Backend::Auto => BackendChoice::Auto,
+                Backend::Gpu => BackendChoice::Gpu,
+                Backend::Cpu => BackendChoice::Cpu,
+            },
+            precision: match self.precision {
+                Precision::F32 => trace::Precision::F32,
+                Precision::F64 => trace::Precision::F64,
+            },
+        })
     }
 
     /// The folder to write, `out/NAME` unless one is given.
@@ -166,6 +191,27 @@ mod tests {
             assert!(refusal.contains(flags[0]), "{flags:?}: {refusal}");
         }
         assert!(probability("1").is_err() && probability("0").is_err() && probability("1e-9").is_ok());
+    }
+
+    #[test]
+    fn budgets_exclude_each_other_and_fixed_samples() {
+        for flags in [
+            ["--seconds", "1", "--spp", "4"],
+            ["--seconds", "1", "--photons", "4"],
+            ["--seconds", "1", "--target-error", "0.1"],
+            ["--target-error", "0.1", "--spp", "4"],
+            ["--photons", "9", "--target-error", "0.1"],
+        ] {
+            assert!(parse(&flags).unwrap_err().contains("cannot be used with"), "{flags:?}");
+        }
+    }
+
+    #[test]
+    fn flags_win_over_the_scene() {
+        let scene = crate::scene::Render { spp: 9, photons: Some(7), seed: 5, ..Default::default() };
+        let settings = parse(&["--spp", "3", "--precision", "f64"]).unwrap().settings(&scene).unwrap();
+        assert_eq!((settings.spp, settings.photons, settings.seed), (3, Some(7), 5));
+        assert_eq!((settings.backend, settings.precision), (BackendChoice::Cpu, trace::Precision::F64));
     }
 
     #[test]

@@ -6,10 +6,23 @@
 
 pub mod cancel;
 mod compare;
+mod demo;
 mod error;
+mod estimate;
+mod facts;
 mod flags;
+mod inspect;
+mod job;
+mod measure;
 mod output;
+mod page;
 mod progress;
+mod regimes;
+mod render;
+mod run;
+mod schema;
+mod shot;
+mod side;
 mod usage;
 
 pub use error::{Failure, Outcome};
@@ -35,13 +48,25 @@ struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Demo(demo::Demo),
+    Run(run::Run),
+    Render(render::Render),
+    Estimate(estimate::Estimate),
     Compare(compare::Compare),
+    Inspect(inspect::Inspect),
+    Schema(schema::Schema),
 }
 
 impl Command {
     fn run(&self) -> Result<Outcome, Failure> {
         match self {
+            Self::Demo(demo) => demo.run(),
+            Self::Run(run) => run.run(),
+            Self::Render(render) => render.run(),
+            Self::Estimate(estimate) => estimate.run(),
             Self::Compare(compare) => compare.run(),
+            Self::Inspect(inspect) => inspect.run(),
+            Self::Schema(schema) => schema.run(),
         }
     }
 }

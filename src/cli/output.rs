@@ -1,6 +1,8 @@
 //! An output folder that is there in whole or not at all.
 
 use super::{Failure, cancel};
+use std::fs::File;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -58,6 +60,23 @@ impl OutputFolder {
     #[must_use]
     pub fn path(&self, name: &str) -> PathBuf {
         self.staging.path().join(name)
+    }
+
+    /// Writes a text file into it, down to the disk.
+    ///
+    /// # Errors
+    /// When it cannot be written, as on a full disk.
+    pub fn write(&self, name: &str, text: &str) -> Result<(), Failure> {
+        let path = self.path(name);
+        let write = || {
+            let mut file = File::create(&path)?;
+            file.write_all(text.as_bytes())?;
+            file.sync_all()
+        };
+        write().map_err(|error| {
+            let place = self.destination.join(name);
+            Failure::failed(format!("{}: cannot be written: {error}", place.display())).in_file(&place)
+        })
     }
 
     /// Puts the folder in its place and says where that is.

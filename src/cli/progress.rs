@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Time between lines where standard error is no terminal.
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
+/// Share of the work after which a line would come with the end.
+const ALMOST: f64 = 0.95;
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 
@@ -48,7 +50,7 @@ impl Progress {
             let bar = state.bar.get_or_insert_with(new_bar);
             bar.set_position((done * STEPS as f64) as u64);
             bar.set_message(message);
-        } else if state.last_line.is_none_or(|last| last.elapsed() >= BETWEEN_LINES) {
+        } else if done < ALMOST && state.last_line.is_none_or(|last| last.elapsed() >= BETWEEN_LINES) {
             state.last_line = Some(Instant::now());
             super::note(&format!("{:.0} % {message}", 100.0 * done));
         }

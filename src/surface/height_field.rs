@@ -71,27 +71,31 @@ impl HeightField {
 
     /// Proven bound on the second derivative along any unit direction, per mm.
     ///
-    /// The second derivatives of the spline are convex combinations of second differences of its control points.
+    /// In a cell the second derivatives are convex combinations of second differences of its 4 x 4 control points; the
+    /// bound is the largest norm of such a Hessian.
     pub fn curvature_bound(&self) -> f64 {
         let width = self.columns + 2;
         let at = |x: usize, y: usize| self.control[y * width + x];
         let [sx, sy] = self.per_mm;
-        let (mut xx, mut xy, mut yy) = (0.0f64, 0.0f64, 0.0f64);
-        for y in 0..self.rows + 2 {
-            for x in 0..width {
-                if x + 2 < width {
-                    xx = xx.max((at(x, y) - 2.0 * at(x + 1, y) + at(x + 2, y)).abs() * sx * sx);
-                }
-                if y + 2 < self.rows + 2 {
-                    yy = yy.max((at(x, y) - 2.0 * at(x, y + 1) + at(x, y + 2)).abs() * sy * sy);
-                }
-                if x + 1 < width && y + 1 < self.rows + 2 {
-                    let mixed = at(x, y) - at(x + 1, y) - at(x, y + 1) + at(x + 1, y + 1);
-                    xy = xy.max(mixed.abs() * sx * sy);
-                }
-            }
-        }
-        (xx * xx + 2.0 * xy * xy + yy * yy).sqrt()
+        let largest = |differences: &mut dyn Iterator<Item = f64>| differences.map(f64::abs).fold(0.0, f64::max);
+        let cell = |x: usize, y: usize| {
+            let xx = largest(&mut (0..8).map(|k| {
+                let (i, j) = (x + k % 2, y + k / 2);
+                (at(i, j) - 2.0 * at(i + 1, j) + at(i + 2, j)) * sx * sx
+            }));
+            let yy = largest(&mut (0..8).map(|k| {
+                let (i, j) = (x + k / 2, y + k % 2);
+                (at(i, j) - 2.0 * at(i, j + 1) + at(i, j + 2)) * sy * sy
+            }));
+            let xy = largest(&mut (0..9).map(|k| {
+                let (i, j) = (x + k % 3, y + k / 3);
+                (at(i, j) - at(i + 1, j) - at(i, j + 1) + at(i + 1, j + 1)) * sx * sy
+            }));
+            // Largest eigenvalue of [[xx, xy], [xy, yy]].
+            0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy)
+        };
+        let cells = (0..self.columns - 1).flat_map(|x| (0..self.rows - 1).map(move |y| (x, y)));
+        cells.map(|(x, y)| cell(x, y)).fold(0.0, f64::max)
     }
 
     /// Displacement and its gradient at a point of the footprint (centre at the origin). mm and mm/mm.
@@ -172,13 +176,13 @@ mod tests {
     fn error_falls_with_the_fourth_power_of_the_spacing() {
         let error = |points| {
             let field = HeightField::sample(points, [30.0, 30.0], bump).unwrap();
-            (0..200)
-                .map(|k| (0.37 * k as f64 % 20.0 - 10.0, 0.71 * k as f64 % 20.0 - 10.0))
-                .map(|(x, y)| (field.at(x, y)[0] - bump(x, y)).abs())
-                .fold(0.0, f64::max)
+            let points = (1..4000).map(|k| (f64::from(k) * 0.754_877_67 % 1.0, f64::from(k) * 0.569_840_29 % 1.0));
+            let squares = points.map(|(u, v)| (20.0 * u - 10.0, 20.0 * v - 10.0));
+            squares.map(|(x, y)| (field.at(x, y)[0] - bump(x, y)).powi(2)).sum::<f64>().sqrt()
         };
-        let rate = (error(65) / error(129)).log2();
-        assert!((rate - 4.0).abs() < 0.5, "{rate}");
+        // Quasi-random points; the next term of the error falls twice as fast, 3 % of it is left at this spacing.
+        let rate = (error(129) / error(257)).log2();
+        assert!((rate - 4.0).abs() < 0.1, "{rate}");
     }
 
     #[test]

@@ -41,6 +41,14 @@ pub enum TraceError {
     /// Too much light was cut off.
     #[error("{0:.1e} of the light was cut off by the cap on interactions; the image cannot be trusted")]
     Truncated(f64),
+    /// The driver ended loops before their time.
+    #[error("the GPU driver ended loops early: {finished} of {sent} paths were traced; use --backend cpu")]
+    CutShort {
+        /// Paths that came to their end.
+        finished: u64,
+        /// Paths asked for.
+        sent: u64,
+    },
     /// The user stopped it.
     #[error("stopped; nothing was written")]
     Stopped,

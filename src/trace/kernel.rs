@@ -7,6 +7,8 @@ use super::model::{Model, Real, Shape, Walls};
 pub struct Kernel {
     /// Representation of deformed interfaces.
     pub shape: ShapePiece,
+    /// Both faces of some layer are deformed.
+    pub deformed_pairs: bool,
     /// Some layer absorbs.
     pub absorbing: bool,
     /// Side walls are clear.
@@ -23,6 +25,8 @@ pub struct Kernel {
     pub share_grid: bool,
     /// Some LED has a tabulated pattern.
     pub led_tables: bool,
+    /// Some LED's pattern is a power of the cosine other than 1.
+    pub cosine_power: bool,
     /// The camera has a lens of finite size.
     pub lens: bool,
 }
@@ -51,6 +55,7 @@ impl Kernel {
                 Shape::Field(_) => ShapePiece::Field,
                 Shape::Mesh(_) => ShapePiece::Mesh,
             },
+            deformed_pairs: model.faces.windows(2).any(|pair| pair.iter().all(|f| f.share != zero)),
             absorbing: model.layers.iter().any(|l| l.absorption > zero),
             clear_walls: model.walls == Walls::Clear,
             mirror_walls: model.walls == Walls::Mirror,
@@ -59,6 +64,7 @@ impl Kernel {
             spreading: model.tissue.as_ref().is_some_and(|t| t.spread_d > zero),
             share_grid: model.tissue.as_ref().is_some_and(|t| !t.grid.is_empty()),
             led_tables: model.leds.iter().any(|l| l.table.is_some()),
+            cosine_power: model.leds.iter().any(|l| l.exponent != T::one()),
             lens: model.camera.lens_radius > zero,
         }
     }
@@ -69,11 +75,12 @@ impl Kernel {
     }
 
     /// Names of the pieces, and whether each is in.
-    pub fn pieces(&self) -> [(&'static str, bool); 12] {
+    pub fn pieces(&self) -> [(&'static str, bool); 14] {
         [
             ("spherical cap", self.shape == ShapePiece::Cap),
             ("height fields", self.shape == ShapePiece::Field),
             ("triangle mesh", self.shape == ShapePiece::Mesh),
+            ("search on both faces of a layer", self.deformed_pairs),
             ("absorption", self.absorbing),
             ("clear walls", self.clear_walls),
             ("mirror walls", self.mirror_walls),
@@ -82,6 +89,7 @@ impl Kernel {
             ("sideways spread in tissue", self.spreading),
             ("contact share grid", self.share_grid),
             ("tabulated LED patterns", self.led_tables),
+            ("cosine-power LED patterns", self.cosine_power),
             ("thin lens", self.lens),
         ]
     }

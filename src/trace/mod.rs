@@ -12,6 +12,7 @@ pub mod kernel;
 pub mod leds;
 pub mod model;
 pub mod plan;
+pub mod rays;
 pub mod render;
 
 pub use backend::{Backend, BackendChoice, Precision, TraceError};

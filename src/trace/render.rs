@@ -6,11 +6,13 @@ use super::kernel::Kernel;
 use super::model::Model;
 use super::plan::Plan;
 use crate::film::{BlockAccumulator, Film, Ledger};
-use crate::scene::Integrator;
+use crate::scene::{self, Integrator};
 use std::time::Instant;
 
 /// Fewest replicates behind an error estimate.
 pub const REPLICATES: u32 = 16;
+/// Most camera paths per pixel in a replicate: the film's sums hold 65,536 paths that each see the brightest LED.
+const REPLICATE_PATHS: u32 = 1 << 15;
 /// Photons of the ledger where the method sends none of its own.
 const LEDGER_PHOTONS: u64 = 1 << 20;
 /// Largest share of photons that may get lost.
@@ -37,6 +39,22 @@ pub struct Settings {
     pub backend: BackendChoice,
     /// Precision of the CPU twin.
     pub precision: Precision,
+}
+
+impl Settings {
+    /// What a scene asks for, on whatever backend there is.
+    pub fn of(render: &scene::Render) -> Self {
+        Self {
+            integrator: render.integrator,
+            spp: render.spp,
+            photons: render.photons,
+            seconds: None,
+            target_error: None,
+            seed: render.seed,
+            backend: BackendChoice::Auto,
+            precision: Precision::F32,
+        }
+    }
 }
 
 /// Where a render stands.
@@ -67,7 +85,7 @@ pub struct Outcome {
     pub paths: u64,
     /// Photons.
     pub photons: u64,
-    /// Segments of both.
+    /// Segments of both, without those of a ledger traced on its own.
     pub segments: u64,
     /// Camera paths per pixel.
     pub spp: u64,
@@ -98,9 +116,10 @@ pub fn render(
         pacer: Pacer::default(),
         totals: Totals::default(),
     };
+    let replicates = REPLICATES.max(settings.spp.div_ceil(REPLICATE_PATHS));
     let mut work = Work {
-        spp: settings.spp.div_ceil(REPLICATES),
-        photons: photons(settings, model, settings.spp).div_ceil(u64::from(REPLICATES)),
+        spp: settings.spp.div_ceil(replicates),
+        photons: photons(settings, model, settings.spp).div_ceil(u64::from(replicates)),
     };
     // A throw-away pilot of one path per pixel compiles the kernels and measures the machine.
     let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
@@ -115,12 +134,13 @@ pub fn render(
         let timer = Instant::now();
         batch.replicate(u32::MAX, pilot, &mut |_, _| observe(Stage { done: 0.0, what: "measuring the machine" }))?;
         batch.totals = Totals::default();
-        let scale = (budget / timer.elapsed().as_secs_f64() / f64::from(REPLICATES) / 1.5).clamp(1.0, 1e6);
+        let scale = (budget / timer.elapsed().as_secs_f64() / f64::from(REPLICATES) / 1.5)
+            .clamp(1.0, f64::from(REPLICATE_PATHS));
         work = Work { spp: scale as u32, photons: (pilot.photons as f64 * scale) as u64 };
     }
     let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
     let needs_ledger = batch.method == super::plan::Method::Path;
-    let limit = settings.target_error.map_or(REPLICATES, |_| 1 << 16);
+    let limit = settings.target_error.map_or(replicates, |_| 1 << 16);
     let mut index = 0;
     let mut longest = 0.0f64;
     loop {
@@ -128,7 +148,7 @@ pub fn render(
         let replicate = batch.replicate(index, work, &mut |part, what| {
             let done = match settings.seconds {
                 Some(budget) => start.elapsed().as_secs_f64() / budget,
-                None => (f64::from(index) + part) / f64::from(REPLICATES.max(index + 1)),
+                None => (f64::from(index) + part) / f64::from(replicates.max(index + 1)),
             };
             observe(Stage { done: done.min(1.0), what })
         })?;
@@ -138,13 +158,14 @@ pub fn render(
         let enough = match (settings.seconds, settings.target_error) {
             (Some(budget), _) => index >= 2 && start.elapsed().as_secs_f64() + longest > budget,
             (None, Some(target)) => index >= REPLICATES && relative_error(&sum.finish()).is_none_or(|e| e <= target),
-            (None, None) => index >= REPLICATES,
+            (None, None) => index >= replicates,
         };
         if enough || index >= limit && settings.seconds.is_none() {
             break;
         }
     }
     let seconds = start.elapsed().as_secs_f64();
+    let segments = batch.totals.segments;
     if needs_ledger {
         batch.ledger(LEDGER_PHOTONS, &mut |_, _| observe(Stage { done: 1.0, what: "flux ledger" }))?;
     }
@@ -169,7 +190,7 @@ pub fn render(
         notice,
         paths: totals.paths,
         photons: totals.photons,
-        segments: totals.segments,
+        segments,
         spp: totals.paths / pixels,
         seconds,
         setup_seconds,

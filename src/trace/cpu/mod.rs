@@ -127,6 +127,8 @@ pub struct Path<'m, T: Real> {
     pub normal: V3<T>,
     /// A surface search did not converge.
     pub lost: bool,
+    /// Slope of the height field at the last hit.
+    pub field_slope: [T; 2],
     /// Normals of the mesh at the last hit: interpolated, facet.
     pub mesh_normals: [V3<T>; 2],
     /// Ledger, in units of 1 / [`UNIT`] photon.
@@ -135,6 +137,8 @@ pub struct Path<'m, T: Real> {
     pub events: Option<Vec<Event>>,
     /// What the photons leave behind, where they do.
     pub deposits: Option<&'m photons::Deposits<'m>>,
+    /// Points it passed, mm, where they are wanted: on interfaces and walls, and where it leaves the tissue.
+    pub trail: Option<Vec<V3<T>>>,
 }
 
 impl<'m, T: Real> Path<'m, T> {
@@ -155,16 +159,24 @@ impl<'m, T: Real> Path<'m, T> {
             reflected: false,
             normal: V3::up(),
             lost: false,
+            field_slope: [T::zero(); 2],
             mesh_normals: [V3::up(); 2],
             tally: [0; book::SLOTS],
             events: None,
             deposits: None,
+            trail: None,
         }
     }
 
     pub(super) fn record(&mut self, code: u32, margin: T) {
         if let Some(events) = &mut self.events {
             events.push(Event { code, margin: margin.wide() });
+        }
+    }
+
+    pub(super) fn leave_trail(&mut self) {
+        if let Some(trail) = &mut self.trail {
+            trail.push(self.o);
         }
     }
 

@@ -1,5 +1,6 @@
 //! Twin of `smooth.wgsl` and `rough.wgsl`: mirror and refracted directions, lobes, microfacets.
 
+use super::fresnel::reflectance;
 use super::vec3::{V3, v3};
 use super::{Path, book};
 use crate::trace::model::Real;
@@ -40,54 +41,75 @@ impl<T: Real> Path<'_, T> {
         self.book(book::ABSORBED, before, self.weight);
     }
 
+    fn lobe(&mut self, q_in: T, q_out: T) {
+        let before = self.weight;
+        self.weight = before * (q_out / q_in).min(T::one());
+        self.book(book::ABSORBED, before, self.weight);
+    }
+
     pub(super) fn bounce(&mut self, i: usize, normal: V3<T>, m: V3<T>, side: T, a: T) {
-        let face = self.model.faces[i];
-        if face.kind == MICROFACET {
-            let n = self.model.layers[self.layer].n;
-            let cos_in = self.p.dot(normal) / n;
-            self.mirror(m);
-            self.shadow(i, normal, cos_in, n, -side, true);
-            return;
-        }
         if !self.kernel.rough && !self.kernel.deformed() {
             self.p.z = -self.p.z;
             return;
         }
-        let incoming = self.p;
-        let mut f = m;
-        if face.kind == SMALL && self.draw() >= (-face.rough * a * a).exp() {
-            f = self.facet(normal, side, face.alpha, self.layer);
+        let face = self.model.faces[i];
+        let layer = self.model.layers[self.layer];
+        let cos_in = self.p.dot(normal) / layer.n;
+        if face.kind == MICROFACET {
+            self.mirror(m);
+            self.shadow(i, normal, cos_in, layer.n, -side, true);
+            return;
         }
+        let share = scattered(face.rough, a);
+        if face.kind != SMALL || self.draw() >= share {
+            self.mirror(m);
+            return;
+        }
+        let dn_sq = face.dn_sq * side;
+        let f = self.facet(normal, side, face.alpha, self.layer);
         self.mirror(f);
-        if self.kernel.rough && self.p.dot(normal) * side >= T::zero() {
-            self.p = incoming;
-            self.mirror(normal);
-        }
+        self.shadow(i, normal, cos_in, layer.n, -side, true);
+        let a_out = self.p.dot(normal).abs();
+        let q_out = reflectance(a_out, dn_sq, layer.n_sq) * scattered(face.rough, a_out);
+        self.lobe(reflectance(a, dn_sq, layer.n_sq) * share, q_out);
     }
 
     pub(super) fn refract_through(&mut self, i: usize, normal: V3<T>, m: V3<T>, side: T, a: T, b: T) {
-        let face = self.model.faces[i];
         if !self.kernel.rough && !self.kernel.deformed() {
             self.p.z = side * b;
             return;
         }
-        let cos_in = self.p.dot(normal) / self.model.layers[self.layer].n;
-        let next = if side > T::zero() { self.layer + 1 } else { self.layer - 1 };
-        if face.kind == SMALL && self.draw() >= (-T::of(0.25) * face.rough * (a - b) * (a - b)).exp() {
-            let f = self.facet(normal, side, face.alpha, self.layer);
-            let along = self.p.dot(f).abs();
-            let b_sq = face.dn_sq * side + along * along;
-            let q = self.p + f * (side * (b_sq.max(T::zero()).sqrt() - along));
-            if b_sq > T::zero() && q.dot(normal) * side > T::zero() {
-                self.p = q;
-                return;
+        let (zero, one) = (T::zero(), T::one());
+        let face = self.model.faces[i];
+        let layer = self.model.layers[self.layer];
+        let next = if side > zero { self.layer + 1 } else { self.layer - 1 };
+        let n_next = self.model.layers[next].n;
+        let cos_in = self.p.dot(normal) / layer.n;
+        let rough = T::of(0.25) * face.rough;
+        let share = scattered(rough, a - b);
+        if face.kind != SMALL || self.draw() >= share {
+            self.p = self.p + m * (side * (b - a));
+            if face.kind == MICROFACET {
+                self.shadow(i, normal, cos_in, n_next, side, false);
             }
+            return;
         }
-        self.p = self.p + m * (side * (b - a));
-        if face.kind == MICROFACET {
-            self.shadow(i, normal, cos_in, self.model.layers[next].n, side, false);
-        }
+        let dn_sq = face.dn_sq * side;
+        let f = self.facet(normal, side, face.alpha, self.layer);
+        let along = self.p.dot(f).abs();
+        let b_sq = dn_sq + along * along;
+        self.p = self.p + f * (side * (b_sq.max(zero).sqrt() - along));
+        self.shadow(i, normal, cos_in, n_next, if b_sq <= zero { zero } else { side }, false);
+        let a_out = self.p.dot(normal).abs();
+        let b_out = (a_out * a_out - dn_sq).max(zero).sqrt();
+        let q_out = (one - reflectance(a_out, -dn_sq, layer.n_sq + dn_sq)) * scattered(rough, a_out - b_out);
+        self.lobe((one - reflectance(a, dn_sq, layer.n_sq)) * share, q_out);
     }
+}
+
+/// Share of the light that leaves the mirror (or refracted) direction; a is n cos, or the step of n cos.
+fn scattered<T: Real>(rough: T, a: T) -> T {
+    T::one() - (-rough * a * a).exp()
 }
 
 /// Two unit vectors that span the plane across `n`.

@@ -39,10 +39,8 @@ impl<T: Real> Path<'_, T> {
                 let on_cap = if at_rim { self.p.dot(m) * side > T::zero() } else { beyond < T::zero() };
                 if on_cap { m } else { V3::up() }
             }
-            Shape::Field(field) => {
-                let h = self.field_at(field, i, o.x, o.y);
-                v3(-h[1], -h[2], T::one()).normalize()
-            }
+            // At the crossing just found.
+            Shape::Field(_) => v3(-self.field_slope[0], -self.field_slope[1], T::one()).normalize(),
             Shape::Mesh(_) => {
                 let [smooth, facet] = self.mesh_normals;
                 let across = self.p.dot(facet);
@@ -65,7 +63,11 @@ impl<T: Real> Path<'_, T> {
                 let h = cap.ball - cap.depth - (cap.ball * cap.ball - r_sq).max(T::zero()).sqrt();
                 face.z + face.share * if r_sq < cap.rim_sq { h } else { T::zero() }
             }
-            Shape::Field(field) => face.z + self.field_at(field, i, x, y)[0],
+            Shape::Field(field) => {
+                let h = self.field_at(field, i, x, y);
+                self.field_slope = [h[1], h[2]];
+                face.z + h[0]
+            }
             Shape::Mesh(mesh) => {
                 let low = face.z + face.low - T::one();
                 let t = self.mesh_cross(mesh, v3(x, y, low), V3::up(), T::one(), far());
@@ -130,17 +132,23 @@ impl<T: Real> Path<'_, T> {
         }
         let mut t = if outside { (near - zeta) / p.z } else { zero };
         let k = (face.curvature * (p.x * p.x + p.y * p.y)).max(c(1e-12));
-        for _ in 0..256 {
+        for n in 0..1024 {
             if t >= t_max {
                 return far();
             }
             let h = self.field_at(field, i, o.x + t * p.x, o.y + t * p.y);
             let g = (side * (h[0] - (zeta + t * p.z))).max(zero);
             let slope = side * (h[1] * p.x + h[2] * p.y - p.z);
-            let root = (slope * slope + two * k * g).sqrt();
-            let step = if slope < zero { two * g / (root - slope) } else { (root + slope) / k };
-            if slope < zero && step < c(1e-6) {
-                return t;
+            // Leaving or along the surface the gap counts as the rounding of a height at least, and for a ray that still
+            // runs in the surface as more, up to 1e-4 mm, so that it gets on.
+            let least = (c::<T>(1e-6) + c::<T>(4e-9) * c(f64::from(n * n))).min(c(1e-4));
+            let gap = if slope < zero { g } else { g.max(least) };
+            let root = (slope * slope + two * k * gap).sqrt();
+            let step = if slope < zero { two * gap / (root - slope) } else { (root + slope) / k };
+            // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k step.
+            if slope < zero && step < c(1e-5) {
+                self.field_slope = [h[1], h[2]];
+                return t + step;
             }
             t = t + step.max(c(1e-7));
             let z = zeta + t * p.z;

@@ -107,6 +107,7 @@ impl<'m, T: Real> Path<'m, T> {
                 }
                 let z = self.surface_height(top, x, y);
                 self.o = V3 { x, y, z };
+                self.leave_trail();
                 self.normal = V3::up();
                 if self.kernel.deformed() && self.model.faces[top].share != zero {
                     self.normal = self.surface_normal(top, self.o, zero);

@@ -12,11 +12,34 @@ fn safe_divide<T: Real>(a: T, b: T) -> T {
 
 impl<T: Real> Path<'_, T> {
     fn cross_face(&mut self, i: usize, side: T, t_max: T) -> T {
-        let face = self.model.faces[i];
-        if face.share != T::zero() {
+        if self.model.faces[i].share != T::zero() {
             return self.surface_cross(i, self.o, self.p, side, t_max);
         }
-        if self.p.z * side > T::zero() { ((face.z - self.o.z) / self.p.z).max(T::zero()) } else { far() }
+        self.cross_plane(i, side)
+    }
+
+    fn cross_plane(&self, i: usize, side: T) -> T {
+        if self.p.z * side > T::zero() { ((self.model.faces[i].z - self.o.z) / self.p.z).max(T::zero()) } else { far() }
+    }
+
+    /// First crossing of the layer's two faces, and whether it is the upper one.
+    fn cross_layer(&mut self, t_wall: T) -> (T, bool) {
+        let (top, one) = (self.top(), T::one());
+        let (above, below) = (self.layer, self.layer - 1);
+        let curved = |i: usize| i <= top && self.model.faces[i].share != T::zero();
+        if !curved(above) && curved(below) {
+            let t_up = if above <= top { self.cross_plane(above, one) } else { far() };
+            let t_down = self.cross_face(below, -one, t_wall.min(t_up));
+            return (t_up.min(t_down), t_up < t_down);
+        }
+        if curved(above) && !curved(below) {
+            let t_down = self.cross_plane(below, -one);
+            let t_up = self.cross_face(above, one, t_wall.min(t_down));
+            return (t_up.min(t_down), t_up < t_down);
+        }
+        let t_up = if above <= top { self.cross_face(above, one, t_wall) } else { far() };
+        let t_down = self.cross_face(below, -one, t_wall.min(t_up));
+        (t_up.min(t_down), t_up < t_down)
     }
 
     /// Reflection or refraction at interface `i`; true when transmitted.
@@ -156,10 +179,7 @@ impl<T: Real> Path<'_, T> {
         let t_wall = tx.min(ty).max(zero);
         let (t_face, up);
         if deformed {
-            let t_up = if self.layer <= top { self.cross_face(self.layer, one, t_wall) } else { far() };
-            let t_down = self.cross_face(self.layer - 1, -one, t_wall.min(t_up));
-            up = t_up < t_down;
-            t_face = t_up.min(t_down);
+            (t_face, up) = self.cross_layer(t_wall);
             if std::mem::take(&mut self.lost) {
                 return End::Lost;
             }
@@ -185,6 +205,7 @@ impl<T: Real> Path<'_, T> {
                 true => u32::from(p.x <= zero),
                 false => 2 + u32::from(p.y <= zero),
             };
+            self.leave_trail();
             if deformed && self.layer > top {
                 return if p.z > zero { End::Top } else { End::Sides };
             }
@@ -199,6 +220,7 @@ impl<T: Real> Path<'_, T> {
         } else {
             self.o.z = self.model.faces[i].z;
         }
+        self.leave_trail();
         if self.kernel.touched && i == top && up && self.tissue_here(self.o.x, self.o.y) {
             self.normal = normal;
             return End::Touch;

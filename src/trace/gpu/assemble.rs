@@ -11,6 +11,7 @@
 
 use crate::trace::backend::{CameraMode, PhotonMode};
 use crate::trace::kernel::{Kernel, ShapePiece};
+use crate::trace::model::{Face, Layer, Model, Shape};
 
 macro_rules! piece {
     ($name:literal) => {
@@ -28,9 +29,12 @@ pub enum Entry {
 }
 
 /// The WGSL text of a kernel.
-pub fn source(kernel: &Kernel, entry: Entry, recording: bool) -> String {
+pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> String {
+    let kernel = Kernel::of(model);
+    let accessors = accessors(model);
     let mut pieces = vec![
         piece!("lib/scene"),
+        accessors.as_str(),
         piece!("lib/random"),
         piece!("lib/fresnel"),
         piece!("lib/fixed_point"),
@@ -61,10 +65,54 @@ pub fn source(kernel: &Kernel, entry: Entry, recording: bool) -> String {
     pieces.concat()
 }
 
+/// Functions `layer_FIELD(k)` and `face_FIELD(i)` with the scene's numbers: chains of selects over constants.
+fn accessors(model: &Model<f32>) -> String {
+    let control_rows = match &model.shape {
+        Shape::Field(f) => (f.size[0] - 1) * (f.size[1] + 2),
+        _ => 0,
+    };
+    let mut text = String::new();
+    let mut float = |name: &str, values: Vec<f32>| {
+        // Rust prints the shortest decimal that reads back as the same f32.
+        accessor(&mut text, name, "f32", values.iter().map(|v| format!("f32({v:?})")));
+    };
+    let layer = |get: fn(&Layer<f32>) -> f32| model.layers.iter().map(get).collect();
+    float("layer_n", layer(|l| l.n));
+    float("layer_n_sq", layer(|l| l.n_sq));
+    float("layer_absorption", layer(|l| l.absorption));
+    float("layer_side_dn_sq", layer(|l| l.side_dn_sq));
+    let face = |get: fn(&Face<f32>) -> f32| model.faces.iter().map(get).collect();
+    float("face_z", face(|f| f.z));
+    float("face_share", face(|f| f.share));
+    float("face_dn_sq", face(|f| f.dn_sq));
+    float("face_curvature", face(|f| f.curvature));
+    float("face_low", face(|f| f.low));
+    float("face_high", face(|f| f.high));
+    float("face_rough", face(|f| f.rough));
+    float("face_alpha", face(|f| f.alpha));
+    let word = |v: usize| format!("{v}u");
+    accessor(&mut text, "face_kind", "u32", model.faces.iter().map(|f| word(f.kind as usize)));
+    accessor(&mut text, "face_field", "u32", model.faces.iter().map(|f| word(f.field * control_rows)));
+    text
+}
+
+fn accessor(text: &mut String, name: &str, kind: &str, values: impl Iterator<Item = String>) {
+    text.push_str(&format!("fn {name}(i: u32) -> {kind} {{ var v = {kind}(0);"));
+    let mut last = None;
+    for (k, value) in values.enumerate() {
+        if last.as_ref() != Some(&value) {
+            text.push_str(&format!(" v = select(v, {value}, i >= {k}u);"));
+        }
+        last = Some(value);
+    }
+    text.push_str(" return v; }\n");
+}
+
 /// Override constants of a kernel.
 pub fn constants(kernel: &Kernel, entry: Entry) -> Vec<(&'static str, f64)> {
     let mut constants = vec![
         ("DEFORMED", kernel.deformed()),
+        ("DEFORMED_PAIRS", kernel.deformed_pairs),
         ("ABSORBING", kernel.absorbing),
         ("CLEAR_WALLS", kernel.clear_walls),
         ("MIRROR_WALLS", kernel.mirror_walls),
@@ -73,6 +121,7 @@ pub fn constants(kernel: &Kernel, entry: Entry) -> Vec<(&'static str, f64)> {
         ("SPREADING", kernel.spreading),
         ("LED_TABLES", kernel.led_tables),
         ("LENS", kernel.lens),
+        ("COSINE_POWER", kernel.cosine_power),
     ];
     if kernel.touched {
         constants.push(("SHARE_GRID", kernel.share_grid));

@@ -1,7 +1,7 @@
 //! The uniforms of the shaders, member for member as in `scene.wgsl` and `led.wgsl`; a test holds them to naga's offsets.
 
 use crate::trace::leds;
-use crate::trace::model::{self, Model, Shape};
+use crate::trace::model::{Model, Shape};
 use bytemuck::{Pod, Zeroable};
 
 /// Most LEDs (`array<Led, 64>`).
@@ -42,19 +42,6 @@ uniform! {
 uniform! {
     /// `Run` of `scene.wgsl`.
     Run { seed: u32, first: u32, count: u32, samples: u32, first_sample: u32, pad0: u32, pad1: u32, pad2: u32 }
-}
-
-uniform! {
-    /// `Layer` of `scene.wgsl`.
-    Layer { n: f32, n_sq: f32, absorption: f32, side_dn_sq: f32 }
-}
-
-uniform! {
-    /// `Face` of `scene.wgsl`.
-    Face {
-        z: f32, share: f32, dn_sq: f32, curvature: f32, low: f32, high: f32, field: u32, rough: f32,
-        alpha: f32, kind: u32, pad0: u32, pad1: u32,
-    }
 }
 
 uniform! {
@@ -104,35 +91,6 @@ pub fn scene(m: &Model<f32>) -> Scene {
         Shape::Plane | Shape::Mesh(_) => {}
     }
     out
-}
-
-/// The layers of a model.
-pub fn layers(m: &Model<f32>) -> Vec<Layer> {
-    let layer =
-        |l: &model::Layer<f32>| Layer { n: l.n, n_sq: l.n_sq, absorption: l.absorption, side_dn_sq: l.side_dn_sq };
-    m.layers.iter().map(layer).collect()
-}
-
-/// The interfaces of a model. `field` counts rows of four control points.
-pub fn faces(m: &Model<f32>) -> Vec<Face> {
-    let stride = match &m.shape {
-        Shape::Field(f) => (f.size[0] - 1) * (f.size[1] + 2),
-        _ => 0,
-    };
-    let face = |f: &model::Face<f32>| Face {
-        z: f.z,
-        share: f.share,
-        dn_sq: f.dn_sq,
-        curvature: f.curvature,
-        low: f.low,
-        high: f.high,
-        field: (f.field * stride) as u32,
-        rough: f.rough,
-        alpha: f.alpha,
-        kind: f.kind,
-        ..Default::default()
-    };
-    m.faces.iter().map(face).collect()
 }
 
 /// The LEDs of a model, padded.
@@ -187,26 +145,14 @@ mod tests {
     use super::*;
     use crate::trace::backend::CameraMode;
     use crate::trace::gpu::assemble::{Entry, source};
-    use crate::trace::kernel::{Kernel, ShapePiece};
-
-    fn kernel() -> Kernel {
-        Kernel {
-            shape: ShapePiece::Plane,
-            absorbing: true,
-            clear_walls: true,
-            mirror_walls: false,
-            rough: false,
-            touched: true,
-            spreading: false,
-            share_grid: false,
-            led_tables: false,
-            lens: false,
-        }
-    }
 
     #[test]
     fn uniforms_have_the_offsets_that_naga_sees() {
-        let text = source(&kernel(), Entry::Camera(CameraMode::Path), false);
+        let loaded = crate::scene::preset("contact-disc").unwrap();
+        let surface = crate::surface::surface(&loaded).unwrap();
+        let contact = crate::surface::contact_map(&loaded).unwrap();
+        let model = Model::new(&loaded, &surface, contact).unwrap().cast();
+        let text = source(&model, Entry::Camera(CameraMode::Path), false);
         let module = naga::front::wgsl::parse_str(&text).unwrap();
         let check = |name: &str, members: Vec<(&str, usize)>, size: usize| {
             let (_, found) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).unwrap();
@@ -219,8 +165,6 @@ mod tests {
         };
         check("Scene", Scene::members(), size_of::<Scene>());
         check("Run", Run::members(), size_of::<Run>());
-        check("Layer", Layer::members(), size_of::<Layer>());
-        check("Face", Face::members(), size_of::<Face>());
         check("Led", Led::members(), size_of::<Led>());
     }
 }

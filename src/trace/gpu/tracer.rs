@@ -5,7 +5,7 @@ use super::device::Gpu;
 use super::layout;
 use crate::trace::TraceError;
 use crate::trace::backend::{CameraMode, PhotonMode, deposit_cells};
-use crate::trace::cpu::book;
+use crate::trace::cpu::{UNIT, book};
 use crate::trace::kernel::{Kernel, ShapePiece};
 use crate::trace::model::Model;
 use std::collections::HashMap;
@@ -17,6 +17,11 @@ const WORKGROUP: u32 = 64;
 /// A change to a kernel's WGSL before it is compiled.
 pub type SourceEdit = Box<dyn Fn(Entry, String) -> String + Send + Sync>;
 
+/// Most paths of one thread in one dispatch. Mesa's llvmpipe ends all loops of a thread after 65,535 turns together
+/// (LP_MAX_TGSI_LOOP_ITERATIONS, "shared between every loop in a shader") and says nothing: an image of few pixels and
+/// many samples lost three quarters of its light. This leaves 2,000 turns for a path; finished paths are counted too.
+const THREAD_PATHS: u32 = 32;
+
 /// A scene loaded on a GPU.
 pub struct GpuTracer {
     gpu: Gpu,
@@ -24,8 +29,6 @@ pub struct GpuTracer {
     model: Model<f32>,
     run: wgpu::Buffer,
     scene: wgpu::Buffer,
-    layers: wgpu::Buffer,
-    faces: wgpu::Buffer,
     leds: wgpu::Buffer,
     led_tables: wgpu::Buffer,
     surface: [wgpu::Buffer; 2],
@@ -37,6 +40,8 @@ pub struct GpuTracer {
     events: Option<wgpu::Buffer>,
     pipelines: HashMap<Entry, wgpu::ComputePipeline>,
     edit: Option<SourceEdit>,
+    /// Camera paths and photons sent since their sums were emptied.
+    sent: [u64; 2],
 }
 
 impl GpuTracer {
@@ -52,15 +57,12 @@ impl GpuTracer {
         let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
         let (surface_a, surface_b) = layout::shape(&model);
         let uniform = |what, bytes: &[u8]| gpu.upload(what, bytes, Usage::UNIFORM);
-        let structs = |what, bytes: &[u8]| gpu.upload(what, bytes, Usage::STORAGE);
         let storage = |what, words: &[f32]| gpu.upload(what, bytemuck::cast_slice(words), Usage::STORAGE);
         let tables: Vec<f32> = model.led_tables.iter().flatten().copied().collect();
         let grid = model.tissue.as_ref().map_or(&[][..], |t| &t.grid);
         Ok(Self {
             run: gpu.buffer("run", size_of::<layout::Run>() as u64, Usage::UNIFORM)?,
             scene: uniform("scene", bytemuck::bytes_of(&layout::scene(&model)))?,
-            layers: structs("layers", bytemuck::cast_slice(&layout::layers(&model)))?,
-            faces: structs("interfaces", bytemuck::cast_slice(&layout::faces(&model)))?,
             leds: uniform("LEDs", bytemuck::cast_slice(&layout::leds(&model)))?,
             led_tables: storage("LED tables", &tables)?,
             surface: [storage("surface", &surface_a)?, storage("triangles", &surface_b)?],
@@ -72,6 +74,7 @@ impl GpuTracer {
             events: None,
             pipelines: HashMap::new(),
             edit: None,
+            sent: [0; 2],
             kernel,
             model,
             gpu,
@@ -115,7 +118,7 @@ impl GpuTracer {
         self.gpu.check()?;
         let device = &self.gpu.device;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let text = source(&self.kernel, entry, self.events.is_some());
+        let text = source(&self.model, entry, self.events.is_some());
         let text = match &self.edit {
             Some(edit) => edit(entry, text),
             None => text,
@@ -162,8 +165,6 @@ impl GpuTracer {
         let mut out = vec![
             (0, &self.scene, uniform),
             (1, &self.run, uniform),
-            (2, &self.layers, read),
-            (3, &self.faces, read),
             (4, &self.leds, uniform),
             (5, &self.led_tables, read),
         ];
@@ -225,6 +226,7 @@ impl GpuTracer {
     pub(in crate::trace) fn clear_film(&mut self) {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.film, 0, None);
+        self.sent[0] = 0;
         self.gpu.queue.submit([encoder.finish()]);
     }
 
@@ -238,14 +240,19 @@ impl GpuTracer {
     ) -> Result<(), TraceError> {
         let entry = Entry::Camera(mode);
         self.prepare(entry)?;
-        let run = layout::Run { seed, first, count, samples, first_sample, ..Default::default() };
-        self.dispatch(entry, run, count)
+        self.sent[0] += u64::from(count) * u64::from(samples);
+        for (first_sample, samples) in portions(first_sample, samples) {
+            let run = layout::Run { seed, first, count, samples, first_sample, ..Default::default() };
+            self.dispatch(entry, run, count)?;
+        }
+        Ok(())
     }
 
     pub(in crate::trace) fn read_film(&mut self) -> Result<(Vec<u64>, u64), TraceError> {
         let words = self.gpu.read(&self.film)?;
         let pixels = words.chunks_exact(4);
         let segments = pixels.clone().map(|p| u64::from(p[2])).sum();
+        finished(pixels.clone().map(|p| u64::from(p[3])).sum(), self.sent[0])?;
         Ok((pixels.map(|p| join(p[0], p[1])).collect(), segments))
     }
 
@@ -263,6 +270,7 @@ impl GpuTracer {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.deposits, 0, None);
         encoder.clear_buffer(&self.ledger, 0, None);
+        self.sent[1] = 0;
         self.gpu.submit(encoder)
     }
 
@@ -276,8 +284,12 @@ impl GpuTracer {
     ) -> Result<(), TraceError> {
         let entry = Entry::Photons(mode);
         self.prepare(entry)?;
-        let run = layout::Run { seed, count: threads, samples, first_sample, ..Default::default() };
-        self.dispatch(entry, run, threads)
+        self.sent[1] += u64::from(threads) * u64::from(samples);
+        for (first_sample, samples) in portions(first_sample, samples) {
+            let run = layout::Run { seed, count: threads, samples, first_sample, ..Default::default() };
+            self.dispatch(entry, run, threads)?;
+        }
+        Ok(())
     }
 
     pub(in crate::trace) fn read_photons(
@@ -289,11 +301,21 @@ impl GpuTracer {
         for (slot, words) in tally.iter_mut().zip(ledger.chunks_exact(2)) {
             *slot = join(words[0], words[1]) as i64;
         }
+        finished((tally[book::EMITTED] as f64 / UNIT) as u64, self.sent[1])?;
         let cells = deposit_cells(&self.model, mode);
         let words = self.gpu.read(&self.deposits)?;
         let deposits = words.chunks_exact(2).take(cells).map(|w| join(w[0], w[1])).collect();
         Ok((tally, deposits))
     }
+}
+
+/// Cuts samples into what one dispatch may hold: the first and how many.
+fn portions(first: u32, samples: u32) -> impl Iterator<Item = (u32, u32)> {
+    (0..samples).step_by(THREAD_PATHS as usize).map(move |k| (first + k, THREAD_PATHS.min(samples - k)))
+}
+
+fn finished(finished: u64, sent: u64) -> Result<(), TraceError> {
+    if finished == sent { Ok(()) } else { Err(TraceError::CutShort { finished, sent }) }
 }
 
 fn join(low: u32, high: u32) -> u64 {

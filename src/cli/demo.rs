@@ -1,0 +1,47 @@
+//! `demo`: the whole job on a scene that comes with the program.
+
+use super::job::Job;
+use super::measure::Reading;
+use super::run::whole_job;
+use super::{Common, Failure, Outcome, OutputFolder, print};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// The demo's scene.
+const SCENE: &str = "preset:press-hertz";
+/// Camera paths a pixel: half a minute on two cores without a GPU.
+const SPP: u32 = 256;
+
+/// Do the whole job on a built-in scene: images, estimates, report.html.
+///
+/// A second run replaces the folder out/demo of the first.
+#[derive(Debug, Args)]
+pub(super) struct Demo {
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Demo {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let mut common = self.common.clone();
+        let budget = common.seconds.is_some() || common.target_error.is_some();
+        if !budget {
+            common.spp.get_or_insert(SPP);
+        }
+        let job = Job::load(Path::new(SCENE), &common)?;
+        let place = common.out.clone().unwrap_or_else(|| PathBuf::from("out/demo"));
+        let own = common.out.is_none() && holds_a_report(&place);
+        let folder = OutputFolder::create(&place, common.force || own)?;
+        let reading = Reading { threshold: 5.0, reference: None, calibration: None };
+        let out = whole_job(&job, &reading, &common, folder)?;
+        if !(common.talk.json || common.talk.quiet) {
+            print(&format!("\nOpen {} in a browser.", out.join("report.html").display()))?;
+        }
+        Ok(Outcome::Done)
+    }
+}
+
+/// Whether a folder is a result of `run` or `demo`, which a new one may replace.
+fn holds_a_report(place: &Path) -> bool {
+    ["report.html", "radiance.exr", "camera.png"].iter().all(|name| place.join(name).is_file())
+}

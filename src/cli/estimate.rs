@@ -1,0 +1,149 @@
+//! `estimate`: the paper's figures of images from anywhere.
+
+use super::facts::columns;
+use super::job::Job;
+use super::measure::{Reading, grey_image, less};
+use super::run::said;
+use super::{Common, Failure, Outcome, Talk, note, print};
+use crate::camera::expose;
+use crate::estimate::{Calibration, Estimates, GreyImage, PaperEstimate, Settings, Stiffness, estimate, stiffness};
+use crate::image_io::read_radiance;
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Read size, depth indicator and sum of grey values from images (PNG, TIFF, EXR); two images give a relative stiffness.
+#[derive(Debug, Args)]
+pub(super) struct Estimate {
+    /// The images; of two, the second is the one pressed harder.
+    #[arg(required = true, value_name = "IMAGE")]
+    images: Vec<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+    /// Expose EXR images, taken as radiance, with the camera of this scene (file or preset:NAME).
+    #[arg(long, value_name = "SCENE")]
+    exposure: Option<PathBuf>,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+/// One image and its figures.
+struct Measured {
+    path: PathBuf,
+    image: GreyImage,
+    paper: PaperEstimate,
+    estimates: Estimates,
+}
+
+impl Estimate {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let camera = self.exposure.as_deref().map(|scene| Job::load(scene, &Common::default())).transpose()?;
+        let calibration = self.reading.calibration()?;
+        let reference = match &self.reading.reference {
+            Some(path) => Some(self.read(path, camera.as_ref())?),
+            None => None,
+        };
+        let settings = Settings { threshold_grey: self.reading.threshold, ..Settings::default() };
+        let measure = |path: &PathBuf| {
+            let raw = self.read(path, camera.as_ref())?;
+            let image = match &reference {
+                Some(reference) => less(&raw, reference, self.reading.reference.as_deref())?,
+                None => raw,
+            };
+            let paper = estimate(&image, &settings);
+            let estimates = Estimates::from_paper(&paper, calibration.as_ref());
+            Ok(Measured { path: path.clone(), image, paper, estimates })
+        };
+        let measured = self.images.iter().map(measure).collect::<Result<Vec<_>, Failure>>()?;
+        let relative = relative_stiffness(&measured, &settings, calibration.as_ref());
+        match self.talk.json {
+            true => print(&self.json(&measured, &relative).to_string())?,
+            false => print(&self.text(&measured, &relative))?,
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// Grey levels of an image; an EXR is exposed where a camera is given.
+    fn read(&self, path: &Path, camera: Option<&Job>) -> Result<GreyImage, Failure> {
+        let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+        if let (true, Some(job)) = (is_exr, camera) {
+            let (film, _) = read_radiance(path)?;
+            let scene = job.scene();
+            let frame = expose(&film, &scene.camera, scene.light.wavelength_nm, scene.render.seed)
+                .map_err(|error| Failure::input(format!("{}: {error}", path.display())).in_file(path))?;
+            return Ok(GreyImage::from_frame(&frame)?);
+        }
+        let (image, linear) = grey_image(path)?;
+        if linear && !self.talk.quiet {
+            note(&format!(
+                "{}: an EXR has no grey levels: its values are taken as they are, and so is the threshold; `--exposure SCENE` exposes it",
+                path.display()
+            ));
+        }
+        Ok(image)
+    }
+
+    fn json(&self, measured: &[Measured], relative: &Result<Stiffness, String>) -> Value {
+        let image = |one: &Measured| {
+            json!({
+                "image": one.path.display().to_string(),
+                "pixels": [one.image.width(), one.image.height()],
+                "paper": one.paper,
+                "estimates": one.estimates,
+            })
+        };
+        json!({
+            "images": measured.iter().map(image).collect::<Vec<_>>(),
+            "threshold_grey": self.reading.threshold,
+            "reference": self.reading.reference.as_ref().map(|path| path.display().to_string()),
+            "stiffness": match relative {
+                Ok(stiffness) => json!(stiffness),
+                Err(reason) => json!({"undefined": reason}),
+            },
+        })
+    }
+
+    fn text(&self, measured: &[Measured], relative: &Result<Stiffness, String>) -> String {
+        let row = |name: &str, value: String| (name.to_owned(), value);
+        let mut text = String::new();
+        for Measured { path, image, paper, estimates } in measured {
+            let mut rows = vec![
+                row("pixels", format!("{} x {}", image.width(), image.height())),
+                row(
+                    "lit area",
+                    format!("{} (threshold {})", said(&paper.diameter_px, "pixels across"), self.reading.threshold),
+                ),
+                row("size", said(&estimates.size_mm, "mm")),
+                row("centroid", format!("column {}", said(&paper.centroid_px.axis(0), "px"))),
+                row("", format!("row {}", said(&paper.centroid_px.axis(1), "px"))),
+                row("indicator h", said(&paper.h_grey, "grey levels")),
+                row("sum M", said(&paper.sum_grey, "grey levels")),
+            ];
+            rows.extend(paper.warnings.iter().map(|warning| row("note", warning.clone())));
+            text.push_str(&format!("{}\n{}", path.display(), columns(&rows)));
+        }
+        let rows = match relative {
+            Ok(stiffness) => vec![
+                row("force", said(&stiffness.force_n, "N")),
+                row("pressure", said(&stiffness.pressure_kpa, "kPa")),
+                row("growth", said(&stiffness.deformation, "of the first diameter")),
+                row("stiffness", said(&stiffness.relative_stiffness_kpa, "kPa, relative")),
+            ],
+            Err(reason) => vec![row("stiffness", format!("undefined: {reason}"))],
+        };
+        text + &columns(&rows)
+    }
+}
+
+/// What two images say about stiffness, or why they do not.
+fn relative_stiffness(
+    measured: &[Measured],
+    settings: &Settings,
+    calibration: Option<&Calibration>,
+) -> Result<Stiffness, String> {
+    match (measured, calibration) {
+        ([first, second], Some(calibration)) => Ok(stiffness(&first.image, &second.image, settings, calibration)),
+        ([_, _], None) => Err("no calibration gives force and pressure".into()),
+        _ => Err(format!("it takes two images under different press, there are {}", measured.len())),
+    }
+}

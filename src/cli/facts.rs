@@ -1,0 +1,145 @@
+//! The figures of a shot in words, for the terminal and the report.
+
+use super::shot::{Shot, segments_per_second};
+
+/// Name and value of what was computed, in reading order.
+pub(super) fn facts(shot: &Shot) -> Vec<(String, String)> {
+    let outcome = &shot.outcome;
+    let fact = |name: &str, value: String| (name.to_owned(), value);
+    vec![
+        fact("computed on", format!("{} ({})", outcome.adapter, outcome.backend)),
+        fact("integrator", format!("{}: {}", outcome.plan.method.name(), outcome.plan.why)),
+        fact(
+            "samples",
+            format!(
+                "{} a pixel, {} paths, {} photons, {} replicates, seed {}",
+                outcome.spp,
+                figure(outcome.paths as f64),
+                figure(outcome.photons as f64),
+                outcome.film.replicates,
+                shot.seed
+            ),
+        ),
+        fact(
+            "time",
+            format!(
+                "{} s, {} s to set up; {} segments a second",
+                figure(outcome.seconds),
+                figure(outcome.setup_seconds),
+                figure(segments_per_second(outcome))
+            ),
+        ),
+        fact("mean radiance", mean_radiance(shot)),
+        fact("camera", camera(shot)),
+    ]
+}
+
+/// Mean radiance with its error, or how dark a dark image is.
+pub(super) fn mean_radiance(shot: &Shot) -> String {
+    let outcome = &shot.outcome;
+    match (shot.dark_bound(), outcome.relative_error) {
+        (Some(bound), _) => {
+            format!("0: no path found light (below {} W/(m^2 sr) with 95 % confidence)", figure(bound))
+        }
+        (None, Some(error)) => format!(
+            "{} W/(m^2 sr); relative error of a lit pixel {} %",
+            figure(outcome.mean_radiance),
+            figure(100.0 * error)
+        ),
+        (None, None) => format!("{} W/(m^2 sr)", figure(outcome.mean_radiance)),
+    }
+}
+
+fn camera(shot: &Shot) -> String {
+    let saturated = match shot.saturated_pixels() {
+        0 => String::new(),
+        count => format!(", {count} pixels saturated"),
+    };
+    format!(
+        "{} x {} pixels, {} mm each; brightest grey level {} of {}{saturated}",
+        shot.frame.width,
+        shot.frame.height,
+        figure(shot.mm_per_pixel),
+        shot.max_grey(),
+        shot.frame.top_grey()
+    )
+}
+
+/// Where the light went, in per cent of what the LEDs emit, without what is nothing.
+pub(super) fn ledger(shot: &Shot) -> String {
+    let ledger = &shot.outcome.ledger;
+    let parts = [
+        ("absorbed", ledger.absorbed),
+        ("out at the touched side", ledger.escaped_top),
+        ("out below", ledger.escaped_bottom),
+        ("out at the side walls", ledger.escaped_sides),
+        ("into the lens", ledger.detected),
+        ("cut off", ledger.terminated),
+    ];
+    let said = parts.iter().filter(|(_, share)| *share != 0.0);
+    let said: Vec<String> = said.map(|(name, share)| format!("{} % {name}", figure(100.0 * share))).collect();
+    format!("{} (residual {})", said.join(", "), figure(ledger.residual))
+}
+
+/// Rows of name and value, the values aligned.
+pub(super) fn columns(rows: &[(String, String)]) -> String {
+    let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    rows.iter().map(|(name, value)| format!("  {name:width$}  {value}\n")).collect()
+}
+
+/// Three significant digits, in powers of ten where that is shorter.
+pub(super) fn figure(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e6).contains(&value.abs()) {
+        return format!("{value:.2e}");
+    }
+    let decimals = (2.0 - value.abs().log10().floor()).max(0.0) as usize;
+    let text = format!("{value:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+/// A value and its interval with two digits of the interval's half width.
+pub(super) fn interval(value: f64, low: f64, high: f64) -> (String, String) {
+    let half_width = 0.5 * (high - low);
+    let decimals = match half_width > 0.0 {
+        true => (1.0 - half_width.log10().floor()).clamp(0.0, 9.0) as usize,
+        false => return (figure(value), format!("{} to {}", figure(low), figure(high))),
+    };
+    (format!("{value:.decimals$}"), format!("{low:.decimals$} to {high:.decimals$}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_have_three_digits() {
+        for (value, text) in
+            [(0.0, "0"), (1.0, "1"), (0.012_345, "0.0123"), (12.34, "12.3"), (123_456.0, "123456"), (-3e-9, "-3.00e-9")]
+        {
+            assert_eq!(figure(value), text);
+        }
+    }
+
+    #[test]
+    fn intervals_show_the_digits_they_support() {
+        let both = |v, l, h| {
+            let (value, range) = interval(v, l, h);
+            format!("{value} ({range})")
+        };
+        assert_eq!(both(128.123, 127.9, 128.4), "128.12 (127.90 to 128.40)");
+        assert_eq!(both(2_331_640.4, 2_330_750.0, 2_332_530.0), "2331640 (2330750 to 2332530)");
+        assert_eq!(both(5.0, 5.0, 5.0), "5 (5 to 5)");
+    }
+
+    #[test]
+    fn columns_align_their_values() {
+        let rows = [("a".to_owned(), "1".to_owned()), ("bcd".to_owned(), "2".to_owned())];
+        assert_eq!(columns(&rows), "  a    1\n  bcd  2\n");
+    }
+}

@@ -1,0 +1,213 @@
+//! `inspect`: what was understood of a scene, and what a render of it would do.
+
+use super::facts::{columns, figure};
+use super::job::Job;
+use super::regimes::regimes;
+use super::{Common, Failure, Outcome, Talk, print};
+use crate::optics::{acceptance_deg, critical_deg};
+use crate::surface::Surface;
+use crate::trace::{Backend, BackendChoice, Kernel, Method, Plan, Precision};
+use clap::Args;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Show what was understood of a scene: angles, regimes, kernel pieces, adapter.
+#[derive(Debug, Args)]
+pub(super) struct Inspect {
+    /// Scene file, or preset:NAME for a scene that comes with the program.
+    scene: PathBuf,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+/// The angles of one layer.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct LayerAngles {
+    pub name: String,
+    pub n: f64,
+    pub thickness_mm: f64,
+    /// Largest angle to the edge's normal, in the surround, that is still trapped; 90: everything is.
+    pub acceptance_deg: f64,
+    /// Critical angle of total reflection to the surround.
+    critical_to_surround_deg: Value,
+    /// Why the acceptance is 90 or 0, where it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
+}
+
+impl LayerAngles {
+    /// The critical angle to the surround in degrees, or a dash where there is none.
+    pub fn critical_text(&self) -> String {
+        self.critical_to_surround_deg.as_f64().map_or("-".to_owned(), |v| format!("{v:.4}"))
+    }
+}
+
+impl Inspect {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let job = Job::load(&self.scene, &Common::default())?;
+        let kernel = Kernel::of(&job.model);
+        let plan = Plan::choose(job.settings.integrator, &kernel)?;
+        let device = match Backend::open(BackendChoice::Auto, Precision::F32, &job.model) {
+            Ok((backend, notice)) => Device { backend: Some(backend.name()), adapter: backend.adapter(), notice },
+            Err(error) => {
+                Device { backend: None, adapter: "none that can do it".into(), notice: Some(error.to_string()) }
+            }
+        };
+        let seen = Seen { layers: layers(&job), job: &job, kernel, plan, device };
+        match self.talk.json {
+            true => print(&seen.json()?.to_string())?,
+            false => print(&seen.text()?)?,
+        }
+        Ok(Outcome::Done)
+    }
+}
+
+/// The angles of every layer, touch side first.
+pub(super) fn layers(job: &Job) -> Vec<LayerAngles> {
+    let stack = &job.scene().stack;
+    let n_0 = stack.surround_n;
+    let angles = |layer: &crate::scene::Layer| {
+        let n = layer.index(job.scene().light.wavelength_nm);
+        let accepted = acceptance_deg(n, n_0, n_0);
+        let note = match accepted {
+            None => Some(format!(
+                "everything launched from the surround is trapped: the index is at least sqrt(2) = {:.4} times that of the surround",
+                std::f64::consts::SQRT_2
+            )),
+            Some(0.0) => Some("nothing is trapped: the index is not above that of the surround".to_owned()),
+            Some(_) => None,
+        };
+        LayerAngles {
+            name: layer.name.clone(),
+            n,
+            thickness_mm: layer.thickness_mm,
+            acceptance_deg: accepted.unwrap_or(90.0),
+            critical_to_surround_deg: match critical_deg(n, n_0) {
+                Some(angle) => json!(angle),
+                None => json!({"undefined": "the index is not above that of the surround"}),
+            },
+            note,
+        }
+    };
+    stack.layer.iter().map(angles).collect()
+}
+
+/// Where a render would compute.
+struct Device {
+    backend: Option<&'static str>,
+    adapter: String,
+    /// Why not on a GPU.
+    notice: Option<String>,
+}
+
+/// All that `inspect` shows.
+struct Seen<'a> {
+    job: &'a Job,
+    layers: Vec<LayerAngles>,
+    kernel: Kernel,
+    plan: Plan,
+    device: Device,
+}
+
+impl Seen<'_> {
+    /// The cone that every layer traps: twice the acceptance of the layer that accepts least.
+    fn launch_cone_deg(&self) -> f64 {
+        2.0 * self.layers.iter().map(|layer| layer.acceptance_deg).fold(90.0, f64::min)
+    }
+
+    fn pieces(&self, wanted: bool) -> Vec<&'static str> {
+        self.kernel.pieces().iter().filter(|(_, is_in)| *is_in == wanted).map(|(name, _)| *name).collect()
+    }
+
+    /// Bytes that a render holds, on the device and in the program, about.
+    fn memory(&self) -> [u64; 2] {
+        let [columns, rows] = self.job.model.camera.size.map(u64::from);
+        let pixels = columns * rows;
+        let texels = (self.job.model.map_size[0] * self.job.model.map_size[1]) as u64;
+        let deposits = match self.plan.method {
+            Method::Path => 0,
+            Method::Splat => 8 * pixels,
+            Method::Map => (2 * 8 + 16) * texels,
+        };
+        let control = match &self.job.surface {
+            Surface::Fields(fields) => fields.iter().flatten().map(|field| field.control.len() as u64).sum(),
+            _ => 0,
+        };
+        // Device: two words a sum and the count of segments beside it. Program: what comes back, the replicate, running
+        // mean and deviation, film, picture values.
+        [16 * pixels + deposits + 4 * control, 64 * pixels + deposits + 8 * control]
+    }
+
+    fn json(&self) -> Result<Value, Failure> {
+        let scene = self.job.scene();
+        let [device, program] = self.memory();
+        Ok(json!({
+            "scene": scene.name,
+            "description": scene.description,
+            "layers": self.layers,
+            "launch_cone_deg": self.launch_cone_deg(),
+            "regimes": regimes(self.job, &self.layers),
+            "surface": self.job.surface.name(),
+            "integrator": self.plan.method.name(),
+            "why": self.plan.why,
+            "kernel": {"included": self.pieces(true), "left_out": self.pieces(false)},
+            "camera": {"pixels": scene.camera.pixels, "mm_per_pixel": self.job.view()?.mm_per_pixel()},
+            "memory": {"device_bytes": device, "program_bytes": program},
+            "backend": self.device.backend,
+            "adapter": self.device.adapter,
+            "notice": self.device.notice,
+        }))
+    }
+
+    fn text(&self) -> Result<String, Failure> {
+        let scene = self.job.scene();
+        let width = self.layers.iter().map(|layer| layer.name.chars().count()).max().unwrap_or(0).max(5);
+        let mut text = format!("{}: {}\n\n", scene.name, scene.description);
+        let _ = writeln!(
+            text,
+            "  {:width$}  {:>8}  {:>12}  {:>16}  {:>22}",
+            "layer", "n", "thickness/mm", "acceptance/deg", "critical angle/deg"
+        );
+        for layer in &self.layers {
+            let critical = layer.critical_text();
+            let _ = writeln!(
+                text,
+                "  {:width$}  {:>8.5}  {:>12}  {:>16.3}  {critical:>22}",
+                layer.name, layer.n, layer.thickness_mm, layer.acceptance_deg
+            );
+        }
+        let _ = writeln!(
+            text,
+            "\n  light from the edge is trapped within a cone of {:.3} degrees\n",
+            self.launch_cone_deg()
+        );
+        for regime in regimes(self.job, &self.layers) {
+            let _ = writeln!(text, "  - {regime}");
+        }
+        let [device, program] = self.memory().map(|bytes| figure(bytes as f64 / f64::from(1 << 20)));
+        let list = |pieces: Vec<&str>| if pieces.is_empty() { "nothing".to_owned() } else { pieces.join(", ") };
+        let row = |name: &str, value: String| (name.to_owned(), value);
+        let mut rows = vec![
+            row("surface", self.job.surface.name().to_owned()),
+            row("integrator", format!("{}: {}", self.plan.method.name(), self.plan.why)),
+            row("kernel has", list(self.pieces(true))),
+            row("leaves out", list(self.pieces(false))),
+            row(
+                "camera",
+                format!(
+                    "{} x {} pixels, {} mm each on the touched face",
+                    scene.camera.pixels[0],
+                    scene.camera.pixels[1],
+                    figure(self.job.view()?.mm_per_pixel())
+                ),
+            ),
+            row("memory", format!("about {device} MiB on the device, {program} MiB in the program")),
+            row("adapter", self.device.adapter.clone()),
+        ];
+        rows.extend(self.device.notice.iter().map(|notice| row("notice", notice.clone())));
+        let _ = write!(text, "\n{}", columns(&rows));
+        Ok(text)
+    }
+}

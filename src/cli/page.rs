@@ -1,0 +1,157 @@
+//! The report of a run.
+
+use super::facts::{figure, mean_radiance};
+use super::inspect::layers;
+use super::measure::{Figures, Reading};
+use super::regimes::regimes;
+use super::run::NO_MECHANICS;
+use super::shot::{CameraPictures, Pictures, Shot};
+use crate::estimate::Value;
+use crate::report::{Item, Report, Section, Table};
+
+/// Makes the report.
+pub(super) fn report(
+    shot: &Shot,
+    figures: &Figures,
+    reading: &Reading,
+    pictures: &Pictures,
+    seen: &CameraPictures,
+) -> Report {
+    let scene = shot.job.scene();
+    Report {
+        title: format!("tirtouch: {}", scene.name),
+        summary: summary(shot, figures),
+        facts: cards(shot),
+        sections: vec![camera(shot, reading, seen), estimates(figures, reading), light(shot, pictures), stack(shot)],
+        provenance: provenance(shot),
+    }
+}
+
+fn summary(shot: &Shot, figures: &Figures) -> String {
+    let size = match &figures.estimates.size_mm {
+        Value::Known { value, .. } => format!("The lit area is {} mm across.", figure(*value)),
+        Value::Undefined { reason } => format!("The size is undefined: {reason}."),
+    };
+    format!("{} {size}", shot.job.scene().description)
+}
+
+/// The figures in few words; the text below says more.
+fn cards(shot: &Shot) -> Vec<(String, String)> {
+    let outcome = &shot.outcome;
+    let card = |name: &str, value: String| (name.to_owned(), value);
+    let error = match outcome.relative_error {
+        Some(error) => format!("{} %", figure(100.0 * error)),
+        None => "undefined: dark".to_owned(),
+    };
+    vec![
+        card("backend", outcome.backend.to_owned()),
+        card("integrator", outcome.plan.method.name().to_owned()),
+        card("tracing time", format!("{} s", figure(outcome.seconds))),
+        card("paths a pixel", outcome.spp.to_string()),
+        card("photons", figure(outcome.photons as f64)),
+        card("error of a lit pixel", error),
+        card("brightest grey level", format!("{} of {}", shot.max_grey(), shot.frame.top_grey())),
+    ]
+}
+
+fn picture(svg: &str, alt: &str, caption: impl Into<String>) -> Item {
+    Item::Picture { svg: svg.to_owned(), alt: alt.to_owned(), caption: caption.into() }
+}
+
+fn camera(shot: &Shot, reading: &Reading, seen: &CameraPictures) -> Section {
+    let sensor = &shot.job.scene().camera.sensor;
+    let exposure = format!(
+        "Grey levels of camera.png: {} ms at f/{}, full well {} electrons, {} bits.",
+        figure(sensor.exposure_ms),
+        figure(sensor.f_number),
+        figure(sensor.full_well_e),
+        sensor.bit_depth
+    );
+    let mut items = vec![
+        picture(&seen.false_color, "camera image in false colour", exposure),
+        picture(&seen.relief, "relief of the grey levels", "The same grey levels as height."),
+    ];
+    if reading.reference.is_some() {
+        items.push(Item::Text(
+            "The pictures show the raw frame; the estimates are of the frame less the reference.".into(),
+        ));
+    }
+    Section { title: "What the camera sees".into(), items }
+}
+
+fn estimates(figures: &Figures, reading: &Reading) -> Section {
+    let image = match &reading.reference {
+        Some(path) => format!("the frame less {}", path.display()),
+        None => "the raw frame".to_owned(),
+    };
+    let mut items = vec![
+        Item::from_estimates(&figures.estimates),
+        Item::Text(format!(
+            "Figures of the image as the TSIS paper defines them, of {image}, with a threshold of {} grey levels. \
+             Intervals say how well the image's figures are known, not how well the object's: the lit area holds all \
+             that glows, which is wider than what presses and grows with brightness.",
+            reading.threshold
+        )),
+        Item::from_paper(&figures.paper),
+    ];
+    items.extend(figures.paper.warnings.iter().cloned().map(Item::Warning));
+    items.push(Item::Text(format!("Mechanics: none; {NO_MECHANICS}.")));
+    Section { title: "Estimates".into(), items }
+}
+
+fn light(shot: &Shot, pictures: &Pictures) -> Section {
+    let caption = format!("Radiance at the camera, before lens and sensor. Mean {}.", mean_radiance(shot));
+    Section {
+        title: "Light".into(),
+        items: vec![
+            picture(&pictures.radiance, "radiance in false colour", caption),
+            picture(
+                &pictures.side,
+                "the stack from the side with rays",
+                "Rays from the LEDs at the left and right wall, traced through the stack. They are picked to show each fate; \
+                 the table below has the true shares.",
+            ),
+            Item::Ledger(shot.outcome.ledger),
+            Item::Text(format!("Integrator {}: {}.", shot.outcome.plan.method.name(), shot.outcome.plan.why)),
+        ],
+    }
+}
+
+fn stack(shot: &Shot) -> Section {
+    let layers = layers(shot.job);
+    let rows = layers.iter().map(|layer| {
+        vec![
+            layer.name.clone(),
+            format!("{:.5}", layer.n),
+            layer.thickness_mm.to_string(),
+            format!("{:.3}", layer.acceptance_deg),
+            layer.critical_text(),
+        ]
+    });
+    let columns = ["layer", "n", "thickness (mm)", "acceptance angle (°)", "critical angle (°)"];
+    let table = Table {
+        caption: "Layers, touch side first".into(),
+        columns: columns.map(str::to_owned).to_vec(),
+        rows: rows.collect(),
+    };
+    let mut items = vec![Item::Table(table)];
+    items.extend(regimes(shot.job, &layers).into_iter().map(|text| Item::Text(sentence(&text))));
+    Section { title: "Stack".into(), items }
+}
+
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}.", letters.as_str())
+}
+
+fn provenance(shot: &Shot) -> Vec<(String, String)> {
+    let pair = |name: &str, value: String| (name.to_owned(), value);
+    vec![
+        pair("scene", shot.job.scene().name.clone()),
+        pair("scene's SHA-256", shot.job.loaded.sha256.clone()),
+        pair("seed", shot.seed.to_string()),
+        pair("adapter", shot.outcome.adapter.clone()),
+        pair("version", env!("CARGO_PKG_VERSION").to_owned()),
+    ]
+}

@@ -1,0 +1,69 @@
+//! What a scene's numbers mean for its light, in sentences.
+
+use super::facts::figure;
+use super::inspect::LayerAngles;
+use super::job::Job;
+use crate::scene::{Mount, Roughness, Shape};
+
+/// Rounding of a cut-off that was copied from a table of acceptance angles, degrees.
+const COPIED_DEG: f64 = 1e-3;
+
+/// The sentences, from the LEDs to the camera.
+pub(super) fn regimes(job: &Job, layers: &[LayerAngles]) -> Vec<String> {
+    let touched = job.contact.is_some();
+    let smooth = !rough(job);
+    let undisturbed = !touched && smooth && matches!(job.scene().touch.shape, Shape::Flat);
+    let mut said = vec![launch(job, layers, undisturbed)];
+    if job.surface.is_deformed() {
+        let inner = if touched { "" } else { ": without contact or roughness these are all the camera sees" };
+        said.push(format!("the deformed face is mirror-smooth and shows sharp glints of the LEDs{inner}"));
+    }
+    if let Some(contact) = &job.contact {
+        let shares = contact.share.iter().copied().chain((contact.columns == 0).then_some(contact.uniform));
+        let (least, most) = shares.fold((f64::INFINITY, 0.0f64), |(low, high), v| (low.min(v), high.max(v)));
+        let range = if least == most { figure(most) } else { format!("{} to {}", figure(least), figure(most)) };
+        said.push(format!(
+            "tissue touches: the share of true contact, where light gets out and comes back diffuse, is {range}"
+        ));
+    }
+    if !smooth {
+        said.push("rough interfaces turn guided light out of its cone: a flat stack glows".to_owned());
+    }
+    said
+}
+
+fn rough(job: &Job) -> bool {
+    let stack = &job.scene().stack;
+    let uppers = stack.layer.iter().map(|layer| layer.upper_roughness);
+    uppers.chain([stack.lower_roughness]).any(|roughness| roughness != Roughness::None)
+}
+
+/// What becomes of the light as it is launched.
+fn launch(job: &Job, layers: &[LayerAngles], undisturbed: bool) -> String {
+    let leds = &job.scene().led;
+    if leds.iter().any(|led| led.mount == Mount::Bonded) {
+        return "LEDs are bonded to the edge and send light at every angle: what is steeper than the critical angle \
+                leaves at once, also from a flat stack"
+            .to_owned();
+    }
+    let least = layers.iter().map(|layer| layer.acceptance_deg).fold(90.0, f64::min);
+    let widest = leds.iter().map(|led| led.cutoff_half_angle_deg.unwrap_or(90.0)).fold(0.0, f64::max);
+    let dark = if undisturbed { "; the stack is flat and nothing touches: the camera sees nothing" } else { "" };
+    if least >= 90.0 {
+        format!(
+            "LEDs stand in the surround, and every index is at least sqrt(2) times that of the surround, so everything \
+             they launch is trapped between top and bottom{dark}"
+        )
+    } else if widest <= least + COPIED_DEG {
+        format!(
+            "LEDs stand in the surround, and their cone of {:.3} degrees lies within what every layer traps{dark}",
+            2.0 * widest
+        )
+    } else {
+        format!(
+            "LEDs stand in the surround, and their cone of {:.3} degrees is wider than the {:.3} degrees that every layer traps: some light leaks from a flat stack",
+            2.0 * widest,
+            2.0 * least
+        )
+    }
+}

@@ -1,0 +1,224 @@
+//! A finished image: the camera's frame of it, its figures, and the files that show it.
+
+use super::job::Job;
+use super::side::side_picture;
+use super::{Failure, OutputFolder};
+use crate::camera::{Frame, expose};
+use crate::image_io::{Provenance, write_png_grey, write_radiance};
+use crate::report::{ColorScale, Raster, false_color, relief};
+use crate::trace::Outcome;
+use serde_json::{Map, Value, json};
+
+/// Unit of radiance, as written in files.
+const RADIANCE_UNIT: &str = "W/(m^2 sr)";
+
+/// An image with the camera's view of it.
+pub(super) struct Shot<'a> {
+    pub job: &'a Job,
+    pub outcome: Outcome,
+    pub frame: Frame,
+    pub mm_per_pixel: f64,
+    pub seed: u32,
+}
+
+/// Pictures of the camera's frame, as SVG.
+pub(super) struct CameraPictures {
+    pub false_color: String,
+    pub relief: String,
+}
+
+/// The pictures of a shot, as SVG.
+pub(super) struct Pictures {
+    pub radiance: String,
+    pub relief: String,
+    pub side: String,
+}
+
+impl<'a> Shot<'a> {
+    /// Traces the image and exposes it.
+    pub fn take(job: &'a Job, quiet: bool) -> Result<Self, Failure> {
+        let [width, height] = job.scene().camera.pixels;
+        // What is wrong with the exposure must not show after an hour of tracing.
+        job.electrons(vec![0.0; width as usize * height as usize])?;
+        let outcome = job.trace(quiet)?;
+        let (scene, seed) = (job.scene(), job.settings.seed);
+        let frame = expose(&outcome.film, &scene.camera, scene.light.wavelength_nm, seed)?;
+        let mm_per_pixel = job.view()?.mm_per_pixel();
+        Ok(Self { job, outcome, frame, mm_per_pixel, seed })
+    }
+
+    /// Writes radiance, camera image and pictures.
+    pub fn write(&self, folder: &OutputFolder) -> Result<Pictures, Failure> {
+        write_radiance(&folder.path("radiance.exr"), &self.outcome.film, &self.provenance())?;
+        let Frame { width, height, bit_depth, grey } = &self.frame;
+        // A PNG has 8 or 16 bits; levels of a depth between are written as they are.
+        let png_depth = if *bit_depth > 8 { 16 } else { 8 };
+        write_png_grey(&folder.path("camera.png"), *width, *height, grey, png_depth)?;
+        let pictures = self.pictures()?;
+        folder.write("radiance.svg", &pictures.radiance)?;
+        folder.write("relief.svg", &pictures.relief)?;
+        folder.write("side.svg", &pictures.side)?;
+        Ok(pictures)
+    }
+
+    fn pictures(&self) -> Result<Pictures, Failure> {
+        let values: Vec<f64> = self.outcome.film.mean.iter().map(|&v| f64::from(v)).collect();
+        let raster = self.raster(&values, "radiance", "W/(m² sr)");
+        let name = &self.job.scene().name;
+        Ok(Pictures {
+            radiance: false_color(&format!("{name}: radiance"), &raster, scale_of(&values))?,
+            relief: relief(&format!("{name}: radiance"), &raster)?,
+            side: side_picture(self.job, self.seed)?,
+        })
+    }
+
+    /// The camera's frame in false colour and as a relief.
+    pub fn camera_pictures(&self) -> Result<CameraPictures, Failure> {
+        let values: Vec<f64> = self.frame.grey.iter().map(|&grey| f64::from(grey)).collect();
+        let raster = self.raster(&values, "grey level", "");
+        let title = format!("{}: camera", self.job.scene().name);
+        Ok(CameraPictures {
+            false_color: false_color(&title, &raster, ColorScale::Linear)?,
+            relief: relief(&title, &raster)?,
+        })
+    }
+
+    fn raster<'v>(&self, values: &'v [f64], quantity: &'v str, unit: &'v str) -> Raster<'v> {
+        let (width, height) = (self.frame.width as usize, self.frame.height as usize);
+        Raster { width, height, values, quantity, unit, mm_per_pixel: Some(self.mm_per_pixel) }
+    }
+
+    /// What the header of radiance.exr says.
+    fn provenance(&self) -> Provenance {
+        let outcome = &self.outcome;
+        Provenance {
+            unit: RADIANCE_UNIT.into(),
+            scene_name: self.job.scene().name.clone(),
+            scene_sha256: self.job.loaded.sha256.clone(),
+            seed: self.seed,
+            spp: u32::try_from(outcome.spp).unwrap_or(u32::MAX),
+            photons: outcome.photons,
+            integrator: outcome.plan.method.name().into(),
+            backend: outcome.backend.into(),
+            adapter: outcome.adapter.clone(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            ..Provenance::default()
+        }
+    }
+
+    /// Root-mean-square standard error over all pixels, W/(m^2 sr).
+    pub fn absolute_error(&self) -> f64 {
+        let film = &self.outcome.film;
+        let sum: f64 = film.variance.iter().map(|&v| f64::from(v)).sum();
+        (sum / film.variance.len().max(1) as f64).sqrt()
+    }
+
+    /// Where no path found light: what the mean radiance is below in 95 % of such cases, W/(m^2 sr).
+    ///
+    /// Nothing found in N independent tries leaves a chance of at most 3/N each (e^-3 = 0.05), and a path that finds
+    /// light brings at most the brightest LED's radiance.
+    pub fn dark_bound(&self) -> Option<f64> {
+        (self.outcome.mean_radiance == 0.0)
+            .then(|| 3.0 * self.job.model.unit_radiance / self.outcome.paths.max(1) as f64)
+    }
+
+    /// What `--json` says of a render.
+    pub fn json(&self) -> Map<String, Value> {
+        let outcome = &self.outcome;
+        let relative = match outcome.relative_error {
+            Some(error) => json!(error),
+            None => json!({"undefined": "the image is dark; absolute_error and mean_radiance_below say how dark"}),
+        };
+        let below = match self.dark_bound() {
+            Some(bound) => json!(bound),
+            None => json!({"undefined": "the image is not dark"}),
+        };
+        let object = json!({
+            "scene": self.job.scene().name,
+            "backend": outcome.backend,
+            "adapter": outcome.adapter,
+            "notice": outcome.notice,
+            "integrator": outcome.plan.method.name(),
+            "why": outcome.plan.why,
+            "seed": self.seed,
+            "spp": outcome.spp,
+            "replicates": outcome.film.replicates,
+            "paths": outcome.paths,
+            "photons": outcome.photons,
+            "segments": outcome.segments,
+            "setup_seconds": outcome.setup_seconds,
+            "seconds": outcome.seconds,
+            "segments_per_second": segments_per_second(outcome),
+            "mean_radiance": outcome.mean_radiance,
+            "relative_error": relative,
+            "absolute_error": self.absolute_error(),
+            "mean_radiance_below": below,
+            "ledger": outcome.ledger,
+            "camera": self.camera_json(),
+        });
+        match object {
+            Value::Object(map) => map,
+            _ => Map::new(),
+        }
+    }
+
+    fn camera_json(&self) -> Value {
+        json!({
+            "pixels": [self.frame.width, self.frame.height],
+            "mm_per_pixel": self.mm_per_pixel,
+            "max_grey": self.max_grey(),
+            "top_grey": self.frame.top_grey(),
+            "saturated_pixels": self.saturated_pixels(),
+            "sum_grey": self.frame.grey.iter().map(|&grey| u64::from(grey)).sum::<u64>(),
+        })
+    }
+
+    /// Highest grey level of the camera's frame.
+    pub fn max_grey(&self) -> u16 {
+        self.frame.grey.iter().copied().max().unwrap_or(0)
+    }
+
+    /// Pixels of the camera's frame at its top grey level.
+    pub fn saturated_pixels(&self) -> usize {
+        let top = self.frame.top_grey();
+        self.frame.grey.iter().filter(|&&grey| grey >= top).count()
+    }
+}
+
+/// Logarithmic where a few pixels (glints) are far brighter than the hundredth brightest and dimmer ones lie more than a
+/// decade below: on a linear scale the glints alone would show.
+fn scale_of(values: &[f64]) -> ColorScale {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let percentile = sorted.get(sorted.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(0.0);
+    let dimmest = sorted.iter().copied().find(|&value| value > 0.0).unwrap_or(0.0);
+    match sorted.last() {
+        Some(&most) if most > 10.0 * percentile.max(dimmest) => ColorScale::Log,
+        _ => ColorScale::Linear,
+    }
+}
+
+/// Segments of camera paths and photons for each second of tracing.
+pub(super) fn segments_per_second(outcome: &Outcome) -> f64 {
+    outcome.segments as f64 / outcome.seconds.max(1e-9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn glints_beside_something_dimmer_ask_for_a_logarithmic_scale() {
+        let image = |dim: f64, glint: f64| {
+            let mut values = vec![0.0; 1000];
+            values[..100].fill(dim);
+            values[999] = glint;
+            scale_of(&values)
+        };
+        assert_eq!(image(1.0, 20.0), ColorScale::Log);
+        assert_eq!(image(1.0, 5.0), ColorScale::Linear);
+        // Glints alone, or darkness.
+        assert_eq!(image(0.0, 5.0), ColorScale::Linear);
+        assert_eq!(image(0.0, 0.0), ColorScale::Linear);
+    }
+}

@@ -1,0 +1,172 @@
+//! A grey image as the estimators see it.
+
+use crate::camera::Frame;
+
+/// Grey values with what the camera's limits did to them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GreyImage {
+    width: usize,
+    height: usize,
+    grey: Vec<f64>,
+    saturated_pixels: usize,
+}
+
+/// Why there is no image to estimate from.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ImageError {
+    /// Width times height is not the number of values, or there are none.
+    #[error("an image of {width} x {height} pixels cannot have {values} values")]
+    Size {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Number of values given.
+        values: usize,
+    },
+    /// A value that is not a number.
+    #[error("grey value of column {column}, row {row} is {value}: it must be finite")]
+    NotFinite {
+        /// Column.
+        column: usize,
+        /// Row.
+        row: usize,
+        /// The value.
+        value: f64,
+    },
+    /// Image and reference differ in size.
+    #[error("the reference has {reference_width} x {reference_height} pixels, the image {width} x {height}")]
+    ReferenceSize {
+        /// Columns of the image.
+        width: usize,
+        /// Rows of the image.
+        height: usize,
+        /// Columns of the reference.
+        reference_width: usize,
+        /// Rows of the reference.
+        reference_height: usize,
+    },
+}
+
+impl GreyImage {
+    /// An image of row-major grey values; pixels at `top_grey` and above count as saturated (`None`: unknown, none do).
+    ///
+    /// # Errors
+    /// Where the size does not fit or a value is not finite.
+    pub fn new(width: usize, height: usize, grey: &[f64], top_grey: Option<f64>) -> Result<Self, ImageError> {
+        if grey.is_empty() || width.checked_mul(height) != Some(grey.len()) {
+            return Err(ImageError::Size { width, height, values: grey.len() });
+        }
+        if let Some((i, &value)) = grey.iter().enumerate().find(|(_, v)| !v.is_finite()) {
+            return Err(ImageError::NotFinite { column: i % width, row: i / width, value });
+        }
+        let saturated_pixels = top_grey.map_or(0, |top| grey.iter().filter(|&&v| v >= top).count());
+        Ok(Self { width, height, grey: grey.to_vec(), saturated_pixels })
+    }
+
+    /// The image of a camera frame.
+    ///
+    /// # Errors
+    /// Where the frame's size does not fit its values.
+    pub fn from_frame(frame: &Frame) -> Result<Self, ImageError> {
+        let grey: Vec<f64> = frame.grey.iter().copied().map(f64::from).collect();
+        Self::new(frame.width as usize, frame.height as usize, &grey, Some(f64::from(frame.top_grey())))
+    }
+
+    /// This image less a reference frame (no inclusion, or no press). Thresholds then apply to the difference.
+    ///
+    /// Negative differences are kept: clamping them at 0 would turn noise of standard deviation sigma into a background
+    /// of 0.4 sigma per pixel, which adds to the sum of grey values and pulls the centroid to the middle of the image.
+    ///
+    /// # Errors
+    /// Where the sizes differ.
+    pub fn minus(&self, reference: &GreyImage) -> Result<Self, ImageError> {
+        if (self.width, self.height) != (reference.width, reference.height) {
+            return Err(ImageError::ReferenceSize {
+                width: self.width,
+                height: self.height,
+                reference_width: reference.width,
+                reference_height: reference.height,
+            });
+        }
+        let grey = self.grey.iter().zip(&reference.grey).map(|(a, b)| a - b).collect();
+        Ok(Self { grey, ..*self })
+    }
+
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Grey values, row-major.
+    pub fn grey(&self) -> &[f64] {
+        &self.grey
+    }
+
+    /// Pixels at the top grey level of the camera, before any subtraction.
+    pub fn saturated_pixels(&self) -> usize {
+        self.saturated_pixels
+    }
+
+    /// Number of pixels brighter than `threshold` grey levels.
+    pub fn brighter_than(&self, threshold: f64) -> usize {
+        self.grey.iter().filter(|&&v| v > threshold).count()
+    }
+
+    /// Grey value at a point (column, row) of the image, bilinear between pixel centres, constant beyond the outermost.
+    pub fn at(&self, [column, row]: [f64; 2]) -> f64 {
+        let split = |x: f64, count: usize| {
+            let x = (x - 0.5).clamp(0.0, (count - 1) as f64);
+            let first = x.floor();
+            (first as usize, (first as usize + 1).min(count - 1), x - first)
+        };
+        let (c0, c1, u) = split(column, self.width);
+        let (r0, r1, v) = split(row, self.height);
+        let value = |r: usize, c: usize| self.grey.get(r * self.width + c).copied().unwrap_or(0.0);
+        let upper = value(r0, c0) * (1.0 - u) + value(r0, c1) * u;
+        let lower = value(r1, c0) * (1.0 - u) + value(r1, c1) * u;
+        upper * (1.0 - v) + lower * v
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bilinear_value_meets_the_pixels_at_their_centres_and_the_plane_between() {
+        let plane: Vec<f64> = (0..12).map(|i| f64::from(i % 4) + 10.0 * f64::from(i / 4)).collect();
+        let image = GreyImage::new(4, 3, &plane, None).unwrap();
+        assert_eq!(image.at([0.5, 0.5]), 0.0);
+        assert_eq!(image.at([3.5, 2.5]), 23.0);
+        assert!((image.at([1.75, 1.25]) - (1.25 + 7.5)).abs() < 1e-12);
+        assert_eq!(image.at([-9.0, 99.0]), 20.0);
+    }
+
+    #[test]
+    fn subtraction_keeps_negative_differences_and_the_count_of_saturated_pixels() {
+        let image = GreyImage::new(2, 1, &[255.0, 3.0], Some(255.0)).unwrap();
+        let reference = GreyImage::new(2, 1, &[5.0, 4.0], Some(255.0)).unwrap();
+        let difference = image.minus(&reference).unwrap();
+        assert_eq!(difference.grey(), [250.0, -1.0]);
+        assert_eq!(difference.saturated_pixels(), 1);
+    }
+
+    #[test]
+    fn wrong_sizes_and_values_are_typed_errors() {
+        assert!(matches!(GreyImage::new(0, 0, &[], None), Err(ImageError::Size { .. })));
+        assert!(matches!(GreyImage::new(2, 2, &[0.0; 3], None), Err(ImageError::Size { .. })));
+        assert!(matches!(GreyImage::new(usize::MAX, 2, &[0.0; 3], None), Err(ImageError::Size { .. })));
+        let nan = GreyImage::new(2, 1, &[0.0, f64::NAN], None);
+        assert!(matches!(nan, Err(ImageError::NotFinite { column: 1, row: 0, .. })));
+        let a = GreyImage::new(2, 1, &[0.0, 1.0], None).unwrap();
+        let b = GreyImage::new(1, 2, &[0.0, 1.0], None).unwrap();
+        assert!(matches!(a.minus(&b), Err(ImageError::ReferenceSize { .. })));
+    }
+}

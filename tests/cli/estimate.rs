@@ -1,0 +1,107 @@
+//! `estimate` on images from anywhere.
+
+use super::*;
+use tirtouch::image_io::write_png_grey;
+
+/// A disc of the given radius and grey level on 100 x 80 dark pixels.
+fn disc(place: &Place, name: &str, radius: f64, grey: u16) -> String {
+    let pixel = |i: u32| {
+        let (x, y) = (f64::from(i % 100) + 0.5 - 50.0, f64::from(i / 100) + 0.5 - 40.0);
+        if x.hypot(y) < radius { grey } else { 0 }
+    };
+    let levels: Vec<u16> = (0..8000).map(pixel).collect();
+    write_png_grey(&place.path().join(name), 100, 80, &levels, 8).unwrap();
+    name.to_owned()
+}
+
+fn estimated(place: &Place, arguments: &[&str]) -> Value {
+    let output = tirtouch_in(place.path(), &[&["estimate", "--json", "--quiet"], arguments].concat());
+    assert_eq!(code(&output), 0, "{output:?}");
+    json(&output)
+}
+
+#[test]
+fn a_disc_has_its_diameter_centroid_and_sum() {
+    let place = Place::new();
+    let image = disc(&place, "disc.png", 20.0, 100);
+    let said = estimated(&place, &[&image]);
+    let paper = &said["images"][0]["paper"];
+    let lit = paper["lit_pixels"].as_f64().unwrap();
+    // Counting pixels on 40 pixels of diameter: good to a hundredth or so.
+    assert!((paper["diameter_px"]["value"].as_f64().unwrap() - 40.0).abs() < 0.4, "{paper}");
+    assert!((paper["centroid_px"]["value"][0].as_f64().unwrap() - 50.0).abs() < 1e-9, "{paper}");
+    assert_eq!(paper["sum_grey"]["value"].as_f64().unwrap(), 100.0 * lit);
+    assert_eq!(paper["h_grey"]["value"], 100.0);
+    assert!(said["images"][0]["estimates"]["size_mm"]["undefined"].is_string(), "no calibration");
+    assert!(said["stiffness"]["undefined"].as_str().unwrap().contains("two images"));
+}
+
+#[test]
+fn two_images_and_a_calibration_give_a_relative_stiffness() {
+    let place = Place::new();
+    place.write(
+        "calibration.toml",
+        "mm_per_pixel = 0.1\nbottom_area_mm2 = 900.0\nforce_n_from_sum_grey = [[0.0, 0.0], [1e6, 10.0]]\n",
+    );
+    let images = [disc(&place, "a.png", 15.0, 100), disc(&place, "b.png", 30.0, 100)];
+    let said = estimated(&place, &[&images[0], &images[1], "--calibration", "calibration.toml"]);
+    // Growth by the factor 2, the counts of pixels good to a per cent.
+    assert!((said["stiffness"]["deformation"]["value"].as_f64().unwrap() - 1.0).abs() < 0.03, "{said}");
+    assert!(said["stiffness"]["relative_stiffness_kpa"]["value"].as_f64().unwrap() > 0.0);
+    assert!((said["images"][1]["estimates"]["size_mm"]["value"].as_f64().unwrap() - 6.0).abs() < 0.06, "{said}");
+    let same = estimated(&place, &[&images[0], &images[0], "--calibration", "calibration.toml"]);
+    assert!(same["stiffness"]["relative_stiffness_kpa"]["undefined"].is_string());
+    assert!(estimated(&place, &[&images[0], &images[1]])["stiffness"]["undefined"].is_string(), "no calibration");
+}
+
+#[test]
+fn threshold_and_reference_count() {
+    let place = Place::new();
+    let image = disc(&place, "disc.png", 20.0, 100);
+    let dimmer = disc(&place, "dimmer.png", 20.0, 40);
+    let undefined =
+        |arguments: &[&str]| estimated(&place, arguments)["images"][0]["paper"]["diameter_px"]["undefined"].is_string();
+    assert!(!undefined(&[&image, "--threshold", "99"]) && undefined(&[&image, "--threshold", "100"]));
+    assert!(!undefined(&[&image, "--reference", &dimmer, "--threshold", "59"]));
+    assert!(undefined(&[&image, "--reference", &dimmer, "--threshold", "60"]));
+    assert!(undefined(&[&image, "--reference", &image]));
+}
+
+#[test]
+fn radiance_is_taken_as_it_is_or_exposed() {
+    let place = Place::new();
+    let exr = place.radiance("a.exr", &film(1, 1.0), UNIT);
+    let output = tirtouch_in(place.path(), &["estimate", &exr]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    assert!(one_line(&output).contains("--exposure"), "{output:?}");
+    let raw = estimated(&place, &[&exr]);
+    assert!(raw["images"][0]["paper"]["max_grey"].as_f64().unwrap() < 2.0, "{raw}");
+    place.write("scene.toml", &small("tsis-paper").replace("pixels = [48, 36]", "pixels = [32, 32]"));
+    let exposed = estimated(&place, &[&exr, "--exposure", "scene.toml"]);
+    // Some 27,000 electrons for a radiance of 1 fill the well of 15,000.
+    assert_eq!(exposed["images"][0]["paper"]["max_grey"], 255.0);
+    let refused = tirtouch_in(place.path(), &["estimate", &exr, "--exposure", "preset:tsis-paper"]);
+    assert_eq!(code(&refused), 2);
+    assert!(one_line(&refused).contains("a.exr") && one_line(&refused).contains("32 x 32"), "{refused:?}");
+}
+
+#[test]
+fn bad_images_and_calibrations_are_named() {
+    let place = Place::new();
+    let image = disc(&place, "disc.png", 20.0, 100);
+    place.write("no.png", "no image");
+    place.write("bad.toml", "mm_per_pixel = -1.0\n");
+    write_png_grey(&place.path().join("other.png"), 2, 2, &[0; 4], 8).unwrap();
+    for (arguments, named) in [
+        (&["missing.png"][..], "missing.png"),
+        (&["no.png"], "no.png"),
+        (&[&image, "--calibration", "bad.toml"], "bad.toml:1"),
+        (&[&image, "--reference", "other.png"], "other.png"),
+        (&[&image, "--threshold", "nan"], "--threshold"),
+        (&[], "IMAGE"),
+    ] {
+        let output = tirtouch_in(place.path(), &[&["estimate"], arguments].concat());
+        assert_eq!(code(&output), 2, "{output:?}");
+        assert!(one_line(&output).contains(named), "{output:?}");
+    }
+}

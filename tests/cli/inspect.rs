@@ -1,0 +1,68 @@
+//! `inspect` and `schema`.
+
+use super::*;
+
+fn inspected(scene: &str) -> Value {
+    let output = tirtouch(&["inspect", scene, "--json"]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    json(&output)
+}
+
+#[test]
+fn the_papers_angles_come_out() {
+    let path = shown(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/tsis-paper.toml"));
+    let seen = inspected(&path);
+    let expected = [(1.41, 83.737, 45.1715), (1.40, 78.463, 45.5847), (1.39, 74.896, 46.0070), (1.38, 71.989, 46.4387)];
+    for (layer, (n, acceptance, critical)) in seen["layers"].as_array().unwrap().iter().zip(expected) {
+        // Half a unit of the last digit printed.
+        assert!((layer["acceptance_deg"].as_f64().unwrap() - acceptance).abs() < 5e-4, "{layer}");
+        assert!((layer["critical_to_surround_deg"].as_f64().unwrap() - critical).abs() < 5e-5, "{layer}");
+        assert_eq!(layer["n"], n);
+        assert!(layer["name"].is_string() && layer["thickness_mm"].is_number() && layer["note"].is_null());
+    }
+    assert!((seen["launch_cone_deg"].as_f64().unwrap() - 143.979).abs() < 5e-4);
+    assert!(seen["regimes"][0].as_str().unwrap().contains("the camera sees nothing"), "{seen}");
+    assert_eq!(seen["surface"], "planes");
+    assert_eq!(seen["integrator"], "path");
+    let table = tirtouch(&["inspect", &path]);
+    for figure in ["83.737", "78.463", "74.896", "71.989", "143.979"] {
+        assert!(text(&table.stdout).contains(figure), "{figure}");
+    }
+}
+
+#[test]
+fn an_index_of_root_two_traps_everything_and_says_so() {
+    let seen = inspected("preset:tsis-literature");
+    assert_eq!(seen["launch_cone_deg"], 180.0);
+    for layer in seen["layers"].as_array().unwrap() {
+        assert_eq!(layer["acceptance_deg"], 90.0);
+        assert!(layer["note"].as_str().unwrap().contains("trapped"), "{layer}");
+    }
+    assert!(seen["regimes"][0].as_str().unwrap().contains("sqrt(2)"), "{seen}");
+    assert!(text(&tirtouch(&["inspect", "preset:tsis-literature"]).stdout).contains("sqrt(2)"));
+}
+
+#[test]
+fn kernel_pieces_follow_the_scene() {
+    let list = |seen: &Value, which: &str| -> Vec<String> {
+        seen["kernel"][which].as_array().unwrap().iter().map(|piece| piece.as_str().unwrap().to_owned()).collect()
+    };
+    let flat = inspected("preset:tsis-paper");
+    assert_eq!(list(&flat, "included"), ["clear walls"]);
+    let pressed = inspected("preset:press-hertz");
+    for piece in ["tissue contact", "sideways spread in tissue", "contact share grid"] {
+        assert!(list(&pressed, "included").contains(&piece.to_owned()), "{piece}");
+        assert!(list(&flat, "left_out").contains(&piece.to_owned()), "{piece}");
+    }
+    assert_eq!(list(&flat, "included").len() + list(&flat, "left_out").len(), 13);
+    assert_eq!(inspected("preset:tsis-dent")["surface"], "spherical cap in closed form");
+    assert!(pressed["adapter"].is_string() && pressed["memory"]["device_bytes"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn schema_is_a_json_schema() {
+    let output = tirtouch(&["schema"]);
+    assert_eq!(code(&output), 0);
+    let schema = json(&output);
+    assert!(schema["properties"]["stack"].is_object() && schema["$schema"].is_string());
+}

@@ -1,0 +1,189 @@
+//! `render`, `run` and `demo` on small scenes.
+
+use super::*;
+use tirtouch::image_io::{read_grey, read_radiance};
+
+const LEDGER: [&str; 9] = [
+    "emitted",
+    "absorbed",
+    "escaped_top",
+    "escaped_bottom",
+    "escaped_sides",
+    "detected",
+    "terminated",
+    "roulette",
+    "residual",
+];
+
+fn scene(place: &Place, name: &str) {
+    place.write("scene.toml", &small(name));
+}
+
+/// Keys that design and docs fix for whatever renders.
+fn check_render_keys(said: &Value) {
+    for key in ["backend", "adapter", "integrator", "why", "scene", "out"] {
+        assert!(said[key].is_string(), "{key}: {said}");
+    }
+    for key in [
+        "seconds",
+        "setup_seconds",
+        "paths",
+        "segments",
+        "segments_per_second",
+        "mean_radiance",
+        "absolute_error",
+        "spp",
+        "photons",
+        "replicates",
+        "seed",
+    ] {
+        assert!(said[key].is_number(), "{key}: {said}");
+    }
+    for key in LEDGER {
+        assert!(said["ledger"][key].is_number(), "{key}: {said}");
+    }
+    assert!(said["ledger"]["residual"].as_f64().unwrap().abs() <= 1e-6);
+    assert!(said["ledger"]["terminated"].as_f64().unwrap() <= 1e-4);
+}
+
+#[test]
+fn the_flat_sensor_is_exactly_dark() {
+    let place = Place::new();
+    scene(&place, "tsis-paper");
+    let output = tirtouch_in(place.path(), &["render", "scene.toml", "--json", "--backend", "cpu"]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    let said = json(&output);
+    check_render_keys(&said);
+    assert_eq!(said["mean_radiance"], 0.0);
+    assert!(said["relative_error"]["undefined"].is_string());
+    // Three over the number of paths, times the LEDs' radiance of some hundred W/(m^2 sr).
+    assert!((1e-4..1e-1).contains(&said["mean_radiance_below"].as_f64().unwrap()), "{said}");
+    let (film, provenance) = read_radiance(&place.path().join("out/tsis-paper/radiance.exr")).unwrap();
+    assert!(film.mean.iter().all(|&v| v == 0.0));
+    let provenance = provenance.unwrap();
+    assert_eq!((provenance.unit.as_str(), provenance.scene_name.as_str()), (UNIT, "tsis-paper"));
+    assert_eq!((provenance.scene_sha256.len(), provenance.integrator.as_str()), (64, "path"));
+}
+
+#[test]
+fn the_dented_sensor_lights_up() {
+    let place = Place::new();
+    scene(&place, "tsis-dent");
+    let output = tirtouch_in(place.path(), &["render", "scene.toml", "-o", "deep/er", "--json"]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    let said = json(&output);
+    check_render_keys(&said);
+    assert!(said["mean_radiance"].as_f64().unwrap() > 0.01 && said["relative_error"].is_number(), "{said}");
+    let mut names: Vec<String> = std::fs::read_dir(place.path().join("deep/er"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["camera.png", "radiance.exr", "radiance.svg", "relief.svg", "side.svg"]);
+    let again = tirtouch_in(place.path(), &["render", "scene.toml", "-o", "deep/er"]);
+    assert_eq!(code(&again), 2, "an existing folder stays");
+}
+
+#[test]
+fn one_seed_gives_one_image_and_another_seed_another() {
+    let place = Place::new();
+    scene(&place, "press-hertz");
+    let image = |name: &str, seed: &str| {
+        let flags = ["--spp", "16", "--photons", "20000", "--backend", "cpu", "--seed", seed, "-o", name, "--quiet"];
+        let output = tirtouch_in(place.path(), &[&["render", "scene.toml"], &flags[..]].concat());
+        assert_eq!(code(&output), 0, "{output:?}");
+        std::fs::read(place.path().join(name).join("radiance.exr")).unwrap()
+    };
+    assert!(image("a", "1") == image("b", "1"));
+    assert!(image("a2", "1") != image("c", "2"));
+}
+
+#[test]
+fn run_measures_what_the_camera_sees() {
+    let place = Place::new();
+    scene(&place, "press-hertz");
+    let flags = ["run", "scene.toml", "--json", "--spp", "16", "--photons", "200000", "--backend", "cpu"];
+    let output = tirtouch_in(place.path(), &flags);
+    assert_eq!(code(&output), 0, "{output:?}");
+    let said = json(&output);
+    check_render_keys(&said);
+    for key in ["max_grey", "sum_grey", "lit_pixels", "mm_per_pixel"] {
+        assert!(said["camera"][key].as_f64().unwrap() > 0.0, "{key}: {said}");
+    }
+    let size = &said["estimates"]["size_mm"];
+    let diameter = &said["paper"]["diameter_px"];
+    // The same figure, in pixels and in millimetres.
+    let scale = said["camera"]["mm_per_pixel"].as_f64().unwrap();
+    let ratio = size["value"].as_f64().unwrap() / diameter["value"].as_f64().unwrap();
+    assert!((ratio / scale - 1.0).abs() < 1e-12, "{said}");
+    assert!(size["low"].as_f64().unwrap() <= size["value"].as_f64().unwrap());
+    // The bump is in the middle of the 48 x 36 pixels.
+    let centroid = &said["paper"]["centroid_px"]["value"];
+    assert!((centroid[0].as_f64().unwrap() - 24.0).abs() < 1.0, "{centroid}");
+    assert!((centroid[1].as_f64().unwrap() - 18.0).abs() < 1.0, "{centroid}");
+    assert!(said["paper"]["h_grey"]["value"].as_f64().unwrap() > 20.0);
+    for key in ["depth_mm", "youngs_kpa"] {
+        assert!(said["estimates"][key]["undefined"].is_string(), "{key}");
+    }
+    assert!(said["mechanics"]["undefined"].is_string());
+
+    let out = place.path().join("out/press-hertz");
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("What the camera sees") && page.contains("size"));
+    assert!(out.join("camera_false_color.svg").is_file() && out.join("camera_relief.svg").is_file());
+    let seen = read_grey(&out.join("camera.png")).unwrap();
+    assert_eq!(seen.values.iter().sum::<f64>(), said["camera"]["sum_grey"].as_f64().unwrap());
+
+    // Less itself nothing is left: no lit area.
+    let frame = shown(out.join("camera.png"));
+    let output = tirtouch_in(place.path(), &[&flags[..], &["--reference", &frame, "-o", "less"]].concat());
+    assert_eq!(code(&output), 0, "{output:?}");
+    let less = json(&output);
+    assert!(less["estimates"]["size_mm"]["undefined"].is_string(), "{less}");
+    assert_eq!(less["camera"]["sum_grey"], said["camera"]["sum_grey"], "the camera's own figures are of the raw frame");
+}
+
+#[test]
+fn demo_replaces_its_own_folder_and_no_other() {
+    let place = Place::new();
+    let out = place.path().join("out/demo");
+    std::fs::create_dir_all(&out).unwrap();
+    std::fs::write(out.join("mine.txt"), "mine").unwrap();
+    let flags = ["demo", "--spp", "1", "--photons", "1000", "--backend", "cpu"];
+    let refused = tirtouch_in(place.path(), &flags);
+    assert_eq!(code(&refused), 2, "{refused:?}");
+    assert!(one_line(&refused).contains("--force") && out.join("mine.txt").exists());
+
+    for name in ["report.html", "radiance.exr", "camera.png"] {
+        std::fs::write(out.join(name), "old").unwrap();
+    }
+    let output = tirtouch_in(place.path(), &flags);
+    assert_eq!(code(&output), 0, "{output:?}");
+    assert!(text(&output.stdout).trim_end().ends_with("Open out/demo/report.html in a browser."), "{output:?}");
+    assert!(std::fs::read(out.join("report.html")).unwrap().len() > 10_000);
+}
+
+/// Ctrl-C in the middle: exit code 3, one line, and nothing is left.
+#[cfg(unix)]
+#[test]
+fn a_stopped_render_leaves_nothing() {
+    use std::process::Stdio;
+    use std::time::{Duration, Instant};
+    let place = Place::new();
+    scene(&place, "tsis-dent");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tirtouch"));
+    command.args(["render", "scene.toml", "--spp", "100000000", "--backend", "cpu", "--quiet"]);
+    let child = command.current_dir(place.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let out = place.path().join("out");
+    let entries = || std::fs::read_dir(&out).map_or(0, Iterator::count);
+    let begun = Instant::now();
+    // The folder in the making is there once the signal is listened for.
+    while entries() == 0 && begun.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(code(&output), 3, "{output:?}");
+    assert!(one_line(&output).contains("stopped"), "{output:?}");
+    assert_eq!(entries(), 0);
+}

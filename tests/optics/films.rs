@@ -1,0 +1,147 @@
+//! Methods that share no light find the same image: paths from the camera, photons splatted, photons in a map.
+
+use crate::bench;
+use tirtouch::film::{self, Film};
+use tirtouch::scene::{Integrator, Led, LoadedScene, Pattern, Pressure, Roughness};
+use tirtouch::trace::{BackendChoice, Model, Precision, Settings, render};
+
+/// Chance of a false alarm, over all levels of blocks together: as four standard errors.
+const LEVEL: f64 = 6.334e-5;
+
+fn film(model: &Model<f64>, integrator: Integrator, spp: u32, photons: u64, seed: u32) -> Film {
+    let settings = Settings {
+        integrator,
+        spp,
+        photons: Some(photons),
+        seconds: None,
+        target_error: None,
+        seed,
+        backend: bench::choice(),
+        precision: Precision::F32,
+    };
+    let outcome = render(model, &settings, &mut |_| true).unwrap();
+    println!("{integrator:?}: {:.2} s, mean {:.6e}", outcome.seconds, outcome.mean_radiance);
+    assert_eq!(outcome.ledger.residual, 0.0);
+    outcome.film
+}
+
+fn agree(what: &str, a: &Film, b: &Film) -> bool {
+    let c = film::compare(a, b, LEVEL).unwrap();
+    println!("{what}: {:?}, p {:?}", c.ratio, c.tests.iter().map(|t| (t.edge, t.cells, t.p_value)).collect::<Vec<_>>());
+    c.passed
+}
+
+/// Two films agree, and would not if one were brighter by `fault`.
+fn agree_within(fault: f32, what: &str, a: &Film, b: &Film) {
+    assert!(agree(what, a, b), "{what}");
+    assert!(!agree("brighter", &brighter(a, 1.0 + fault), b), "{what} would not see a fault of {fault}");
+}
+
+/// The film with every radiance multiplied.
+fn brighter(film: &Film, k: f32) -> Film {
+    let by = |values: &mut Vec<f32>, k: f32| values.iter_mut().for_each(|v| *v *= k);
+    let mut out = film.clone();
+    by(&mut out.mean, k);
+    by(&mut out.variance, k * k);
+    for block in &mut out.blocks {
+        by(&mut block.mean, k);
+        by(&mut block.variance, k * k);
+    }
+    out
+}
+
+/// A preset with few pixels and large LEDs, two at each wall: paths find them so often that a second tells methods apart
+/// that differ by 2 %. A disc of contact is made larger, for the same reason.
+fn bright(preset: &str) -> LoadedScene {
+    let mut loaded = bench::sensor(preset);
+    let camera = &mut loaded.scene.camera;
+    camera.pixel_pitch_um *= f64::from(camera.pixels[0]) / 96.0;
+    camera.pixels = [96, 72];
+    for led in std::mem::take(&mut loaded.scene.led) {
+        for along_mm in [-7.25, 7.25] {
+            loaded.scene.led.push(Led { along_mm, diameter_mm: 11.5, ..led.clone() });
+        }
+    }
+    if let Some(Pressure::Disc { radius_mm, .. }) = loaded.scene.touch.contact.as_mut().map(|c| &mut c.pressure) {
+        *radius_mm = 8.0;
+    }
+    loaded
+}
+
+#[test]
+fn paths_splats_and_map_agree_on_a_disc_of_contact_and_see_an_albedo_off_by_2_percent() {
+    let mut loaded = bright("contact-disc");
+    let model = bench::model(&loaded);
+    let path = film(&model, Integrator::Path, 768, 1 << 20, 1);
+    let splat = film(&model, Integrator::Splat, 64, 1 << 22, 2);
+    let map = film(&model, Integrator::Map, 64, 1 << 22, 3);
+    agree_within(0.02, "path and splat", &path, &splat);
+    agree_within(0.02, "path and map", &path, &map);
+    agree_within(0.02, "splat and map", &splat, &map);
+    if let Some(contact) = &mut loaded.scene.touch.contact {
+        contact.tissue.diffuse_reflectance = Some(0.51);
+    }
+    let other = film(&bench::model(&loaded), Integrator::Map, 64, 1 << 22, 4);
+    assert!(!agree("another albedo", &path, &other));
+}
+
+#[test]
+fn paths_splats_and_map_agree_on_a_press_with_partial_contact_and_spread() {
+    let model = bench::model(&bright("press-hertz"));
+    let path = film(&model, Integrator::Path, 384, 1 << 20, 1);
+    let splat = film(&model, Integrator::Splat, 32, 1 << 21, 2);
+    let map = film(&model, Integrator::Map, 32, 1 << 21, 3);
+    // Light trapped between clear walls makes long paths: 3 s of them see 4 %.
+    agree_within(0.04, "path and splat", &path, &splat);
+    agree_within(0.04, "path and map", &path, &map);
+    agree_within(0.04, "splat and map", &splat, &map);
+}
+
+#[test]
+fn photons_leave_leds_of_every_pattern_as_paths_find_them() {
+    let mut loaded = bright("contact-disc");
+    for (k, led) in loaded.scene.led.iter_mut().enumerate() {
+        led.pattern = Pattern::CosinePower { half_power_deg: 30.0 + 4.0 * k as f64 };
+        led.cutoff_half_angle_deg = Some(60.0 + 3.0 * k as f64);
+    }
+    let model = bench::model(&loaded);
+    let path = film(&model, Integrator::Path, 768, 1 << 20, 7);
+    let map = film(&model, Integrator::Map, 64, 1 << 22, 8);
+    agree_within(0.02, "cosine powers", &path, &map);
+}
+
+#[test]
+fn paths_and_photons_agree_through_microfacets() {
+    let mut loaded = bright("contact-disc");
+    let rough = Roughness::Microfacet { alpha: 0.2 };
+    loaded.scene.stack.layer[0].upper_roughness = rough;
+    loaded.scene.stack.lower_roughness = rough;
+    let model = bench::model(&loaded);
+    let path = film(&model, Integrator::Path, 256, 1 << 20, 9);
+    let map = film(&model, Integrator::Map, 128, 1 << 22, 10);
+    agree_within(0.04, "microfacets", &path, &map);
+}
+
+#[test]
+fn an_image_of_few_pixels_and_many_samples_loses_no_light_on_the_gpu() {
+    // Few pixels mean many samples a thread, and a software driver ends a thread's loops after 65,535 turns.
+    let mut loaded = bright("contact-disc");
+    loaded.scene.camera.pixels = [4, 3];
+    let model = bench::model(&loaded);
+    let mean = |backend| {
+        let settings = Settings {
+            integrator: Integrator::Path,
+            spp: 1 << 17,
+            photons: Some(1 << 14),
+            seconds: None,
+            target_error: None,
+            seed: 11,
+            backend,
+            precision: Precision::F32,
+        };
+        render(&model, &settings, &mut |_| true).unwrap().mean_radiance
+    };
+    // The same paths: they part only where rounding decides an event, one in 1e5 of them.
+    let (gpu, cpu) = (mean(bench::choice()), mean(BackendChoice::Cpu));
+    bench::close("mean of few pixels", gpu / cpu, 1.0, 1e-3);
+}
