@@ -100,6 +100,6 @@ fn reflect<T: Real>(model: &Model<T>, (o, p): Ray) -> V3<f64> {
     path.layer = top;
     let o = cast(o);
     let t = path.surface_cross(top, o, path.p, T::one(), T::of(1e30));
-    let normal = path.surface_normal(top, o + path.p * t);
+    let normal = path.surface_normal(top, o + path.p * t, T::one());
     mirrored(p, v3(normal.x.wide(), normal.y.wide(), normal.z.wide()))
 }
