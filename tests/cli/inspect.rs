@@ -54,7 +54,7 @@ fn kernel_pieces_follow_the_scene() {
         assert!(list(&pressed, "included").contains(&piece.to_owned()), "{piece}");
         assert!(list(&flat, "left_out").contains(&piece.to_owned()), "{piece}");
     }
-    assert_eq!(list(&flat, "included").len() + list(&flat, "left_out").len(), 13);
+    assert_eq!(list(&flat, "included").len() + list(&flat, "left_out").len(), 14);
     assert_eq!(inspected("preset:tsis-dent")["surface"], "spherical cap in closed form");
     assert!(pressed["adapter"].is_string() && pressed["memory"]["device_bytes"].as_u64().unwrap() > 0);
 }
