@@ -66,10 +66,33 @@ pub(super) fn rays(svg: &mut Svg, view: &SideView, frame: &Frame) {
     svg.group(&format!(r#"fill="none" stroke-linejoin="round" stroke-width="{width}" stroke-opacity="0.85""#));
     for ray in &view.rays {
         let points: Vec<[f64; 2]> = ray.points_mm.iter().map(|&[x, _, z]| frame.at([x, z])).collect();
+        let points = within(&points, [frame.left - LED_PX, frame.top - 8.0, frame.right + LED_PX, frame.bottom]);
         let (color, dashes, _) = ray.fate.look();
         svg.path(&points, false, &stroke(color, dashes));
     }
     svg.end_group();
+}
+
+/// A polyline up to where it leaves the rectangle (left, top, right, bottom).
+pub(super) fn within(points: &[[f64; 2]], [left, top, right, bottom]: [f64; 4]) -> Vec<[f64; 2]> {
+    let mut kept: Vec<[f64; 2]> = Vec::with_capacity(points.len());
+    for &[x, y] in points {
+        let Some(&[x0, y0]) = kept.last() else {
+            kept.push([x, y]);
+            continue;
+        };
+        // Share of the segment inside, from each edge that it crosses.
+        let share = |from: f64, to: f64, low: f64, high: f64| {
+            let edge = if to > high { high } else { low };
+            if (low..=high).contains(&to) { 1.0 } else { ((edge - from) / (to - from)).clamp(0.0, 1.0) }
+        };
+        let t = share(x0, x, left, right).min(share(y0, y, top, bottom));
+        kept.push([x0 + t * (x - x0), y0 + t * (y - y0)]);
+        if t < 1.0 {
+            break;
+        }
+    }
+    kept
 }
 
 pub(super) fn stroke(color: &str, dashes: &str) -> String {

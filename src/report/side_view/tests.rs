@@ -114,3 +114,11 @@ fn empty_stack_is_drawn() {
     };
     assert_well_formed(&side_view(&view).unwrap());
 }
+
+#[test]
+fn a_ray_is_drawn_up_to_the_edge_of_the_picture() {
+    let inside = stack::within(&[[5.0, 5.0], [15.0, 5.0], [15.0, 8.0]], [0.0, 0.0, 10.0, 10.0]);
+    assert_eq!(inside, [[5.0, 5.0], [10.0, 5.0]]);
+    let kept = stack::within(&[[5.0, 5.0], [6.0, 7.0]], [0.0, 0.0, 10.0, 10.0]);
+    assert_eq!(kept, [[5.0, 5.0], [6.0, 7.0]]);
+}
