@@ -13,7 +13,9 @@ pub mod leds;
 pub mod model;
 pub mod plan;
 pub mod rays;
+pub mod real;
 pub mod render;
+mod scene_model;
 
 pub use backend::{Backend, BackendChoice, Precision, TraceError};
 pub use kernel::Kernel;

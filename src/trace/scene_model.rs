@@ -1,0 +1,202 @@
+//! From a validated scene to the tracer's model.
+
+use super::leds;
+use super::model::{Camera, CapShape, Face, FieldShape, Layer, MeshShape, Model, Shape, Tissue, Walls};
+use crate::optics::{fresnel, tissue};
+use crate::scene::{self, LoadedScene, Roughness};
+use crate::surface::{ContactMap, Surface, SurfaceError};
+use std::f64::consts::PI;
+
+impl Model<f64> {
+    /// Builds the model of a validated scene.
+    pub fn new(loaded: &LoadedScene, surface: &Surface, contact: Option<ContactMap>) -> Result<Self, SurfaceError> {
+        let scene = &loaded.scene;
+        let n_0 = scene.stack.surround_n;
+        let layers = layers(scene);
+        let heights = scene.stack.interface_heights_mm();
+        let (shape, shares) = shape(surface, heights.len());
+        let faces = faces(scene, surface, &layers, &heights, &shares);
+        let lit = leds::leds(loaded)?;
+        let n_top = layers[layers.len() - 2].n;
+        let tissue = match (&scene.touch.contact, contact) {
+            (Some(c), Some(map)) => Some(tissue_of(&c.tissue, map, n_top, n_0)),
+            _ => None,
+        };
+        let texels = |extent: f64| ((extent / scene.render.map_texel_mm).round() as usize).max(2);
+        let (walls, wall_reflectance) = match scene.stack.walls {
+            scene::Walls::Black => (Walls::Black, 0.0),
+            scene::Walls::Clear => (Walls::Clear, 0.0),
+            scene::Walls::Mirror { reflectance } => (Walls::Mirror, reflectance),
+        };
+        Ok(Self {
+            half_size: scene.stack.footprint_mm.map(|f| 0.5 * f),
+            surround_n: n_0,
+            walls,
+            wall_reflectance,
+            layers,
+            faces,
+            shape,
+            leds: lit.leds,
+            led_tables: lit.tables,
+            tissue,
+            camera: camera(&scene.camera),
+            map_size: scene.stack.footprint_mm.map(texels),
+            unit_radiance: lit.unit_radiance,
+            power: lit.power,
+        })
+    }
+}
+
+fn layers(scene: &scene::Scene) -> Vec<Layer<f64>> {
+    let n_0 = scene.stack.surround_n;
+    let layer = |n: f64, absorption: f64| Layer { n, n_sq: n * n, absorption, side_dn_sq: (n_0 - n) * (n_0 + n) };
+    let inside = scene.stack.layer.iter().rev();
+    std::iter::once(layer(n_0, 0.0))
+        .chain(inside.map(|l| layer(l.index(scene.light.wavelength_nm), l.absorption_per_mm)))
+        .chain(std::iter::once(layer(n_0, 0.0)))
+        .collect()
+}
+
+fn shape(surface: &Surface, interfaces: usize) -> (Shape<f64>, Vec<f64>) {
+    let mut shares = vec![0.0; interfaces];
+    let shape = match surface {
+        Surface::Flat => Shape::Plane,
+        Surface::Cap { cap, share } => {
+            shares.clone_from(share);
+            Shape::Cap(CapShape {
+                center: cap.center_mm,
+                ball: cap.ball_radius_mm(),
+                depth: cap.depth_mm,
+                rim_sq: cap.rim_mm * cap.rim_mm,
+            })
+        }
+        Surface::Fields(fields) => {
+            let mut control = Vec::new();
+            let (mut size, mut per_mm) = ([0, 0], [0.0; 2]);
+            for (share, field) in shares.iter_mut().zip(fields) {
+                if let Some(f) = field {
+                    *share = 1.0;
+                    (size, per_mm) = ([f.columns, f.rows], f.per_mm);
+                    control.push(f.control.clone());
+                }
+            }
+            Shape::Field(FieldShape { size, per_mm, control })
+        }
+        Surface::Mesh(mesh) => {
+            if let Some(last) = shares.last_mut() {
+                *last = 1.0;
+            }
+            Shape::Mesh(MeshShape {
+                corners: mesh.corners.clone(),
+                normals: mesh.normals.clone(),
+                nodes: mesh.nodes.clone(),
+            })
+        }
+    };
+    (shape, shares)
+}
+
+fn faces(
+    scene: &scene::Scene,
+    surface: &Surface,
+    layers: &[Layer<f64>],
+    heights: &[f64],
+    shares: &[f64],
+) -> Vec<Face<f64>> {
+    let roughness =
+        std::iter::once(&scene.stack.lower_roughness).chain(scene.stack.layer.iter().rev().map(|l| &l.upper_roughness));
+    let mut field = 0;
+    heights
+        .iter()
+        .zip(shares)
+        .zip(roughness)
+        .enumerate()
+        .map(|(i, ((&z, &share), rough))| {
+            let (n_below, n_above) = (layers[i].n, layers[i + 1].n);
+            let (kind, rough, alpha) = match *rough {
+                Roughness::None => (0, 0.0, 0.0),
+                Roughness::Small { rms_nm, lobe_slope } => {
+                    let k = 4.0 * PI * rms_nm / scene.light.wavelength_nm;
+                    (1, k * k, std::f64::consts::SQRT_2 * lobe_slope)
+                }
+                Roughness::Microfacet { alpha } => (2, 0.0, alpha),
+            };
+            let mut face = Face {
+                z,
+                share,
+                dn_sq: (n_above - n_below) * (n_above + n_below),
+                curvature: 0.0,
+                low: 0.0,
+                high: 0.0,
+                field: 0,
+                rough,
+                alpha,
+                kind,
+            };
+            match surface {
+                Surface::Fields(fields) => {
+                    if let Some(Some(f)) = fields.get(i) {
+                        let [low, high] = f.range_mm();
+                        // A thousandth beyond, so that the slab holds the surface in f32 too.
+                        (face.low, face.high) = (low - 1e-3, high + 1e-3);
+                        face.curvature = f.curvature_bound();
+                        face.field = field;
+                        field += 1;
+                    }
+                }
+                Surface::Mesh(mesh) if share != 0.0 => (face.low, face.high) = (mesh.low_mm - z, mesh.high_mm - z),
+                _ => {}
+            }
+            face
+        })
+        .collect()
+}
+
+fn tissue_of(t: &scene::Tissue, map: ContactMap, n_top: f64, n_0: f64) -> Tissue<f64> {
+    let albedo = match (t.diffuse_reflectance, t.reduced_scattering_per_mm, t.absorption_per_mm) {
+        (Some(r), _, _) => r,
+        (None, Some(s), Some(a)) => tissue::diffuse_reflectance(s, a),
+        _ => 0.0,
+    };
+    let contact = |cos: f64| fresnel::reflectance(cos, t.n, n_top);
+    let gap = |cos: f64| {
+        let first = fresnel::reflectance(cos, t.n, n_0);
+        let sin_sq = (1.0 - cos * cos) * t.n * t.n / (n_0 * n_0);
+        if sin_sq >= 1.0 {
+            return 1.0;
+        }
+        fresnel::incoherent_slab(first, fresnel::reflectance((1.0 - sin_sq).sqrt(), n_0, n_top))
+    };
+    Tissue {
+        n: t.n,
+        albedo,
+        spread_d: t.spread_mm / 2.5,
+        center: map.center_mm,
+        radius_sq: (map.radius_mm * map.radius_mm).min(1e30),
+        share: map.uniform,
+        grid_size: [map.columns, map.rows],
+        grid: map.share,
+        dn_sq: (t.n - n_top) * (t.n + n_top),
+        gap_dn_sq: (n_0 - n_top) * (n_0 + n_top),
+        reentry_contact: fresnel::lambertian_mean(contact),
+        reentry_gap: fresnel::lambertian_mean(gap),
+    }
+}
+
+fn camera(c: &scene::Camera) -> Camera<f64> {
+    let [w, h] = c.pixels.map(f64::from);
+    let span = match c.view_axis {
+        scene::ViewAxis::Width => w,
+        scene::ViewAxis::Height => h,
+        scene::ViewAxis::Diagonal => w.hypot(h),
+    };
+    let pixel_tan = 2.0 * (0.5 * c.view_angle_deg).to_radians().tan() / span;
+    let (lens_radius, focus) = match c.lens {
+        scene::Lens::Pinhole => (0.0, 0.0),
+        // Pupil radius f / 2N with the focal length from pitch and view angle.
+        scene::Lens::ThinLens { focus_mm } => {
+            (1e-3 * c.pixel_pitch_um / pixel_tan / (2.0 * c.sensor.f_number), focus_mm)
+        }
+    };
+    Camera { size: c.pixels, pixel_tan, distance: c.distance_mm, lens_radius, focus }
+}
