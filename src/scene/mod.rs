@@ -74,7 +74,7 @@ pub struct Render {
     pub spp: u32,
     /// Photons sent from the LEDs; used by `splat`, `map` and the ledger. Absent: chosen from `spp`.
     pub photons: Option<u64>,
-    /// Edge of a texel of the irradiance map, mm.
+    /// Edge of a texel of the irradiance map, mm. The default keeps its bias below the noise (docs/decisions).
     pub map_texel_mm: f64,
     /// Control points along the longer side of a deformed interface held as a height field.
     pub height_field_points: u32,
@@ -88,7 +88,7 @@ impl Default for Render {
             integrator: Integrator::Auto,
             spp: 64,
             photons: None,
-            map_texel_mm: 0.25,
+            map_texel_mm: 0.125,
             height_field_points: 256,
             seed: 1,
         }
