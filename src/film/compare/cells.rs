@@ -82,7 +82,11 @@ pub(super) fn test_cell(mut a: Cell, mut b: Cell, weights: [f64; 2], always: boo
     if dark(a) && dark(b) {
         return None;
     }
-    let light = (a.mean + b.mean) / 2.0;
+    // The pooled light: of all sums of both it alone says nothing about their difference, so a choice by it does not
+    // favour cells that happen to be bright in the noisier film.
+    let [weight_a, weight_b] = weights;
+    let both = weight_a + weight_b;
+    let light = if both > 0.0 { (a.mean * weight_b + b.mean * weight_a) / both } else { (a.mean + b.mean) / 2.0 };
     if !always && weights.iter().any(|weight| light < MIN_CONTRIBUTIONS * weight) {
         return None;
     }

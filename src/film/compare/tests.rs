@@ -162,6 +162,18 @@ fn cells_near_the_least_light_are_not_chosen_by_their_own_noise() {
 }
 
 #[test]
+fn a_noisy_film_below_the_least_light_is_not_judged_where_it_happens_to_be_bright() {
+    // 90 contributions a pixel against a film of 200 times less variance: chosen by the plain mean of both, the cells
+    // above 100 were all too bright (their squares averaged 4.2).
+    let size = [96, 72];
+    let noisy = counted(5, size, 90.0 / f64::from(REPLICATES));
+    let fine = film(6, size, 0.0075, 1, |_, _| 90.0 / f64::from(REPLICATES));
+    let comparison = compare(&noisy, &fine, 1e-3).unwrap();
+    assert!(comparison.passed);
+    assert_eq!(comparison.tests[0].cells, 0);
+}
+
+#[test]
 fn films_without_noise_agree_to_rounding_and_no_further() {
     let exact =
         |value: f32| Film { width: 8, height: 8, mean: vec![value; 64], variance: vec![0.0; 64], ..Film::default() };
