@@ -69,7 +69,7 @@ fn bright(preset: &str) -> LoadedScene {
 }
 
 #[test]
-fn paths_splats_and_map_agree_on_a_disc_of_contact_and_see_an_albedo_off_by_2_percent() {
+fn paths_splats_and_map_agree_on_a_disc_of_contact_and_see_an_albedo_off_by_4_percent() {
     let mut loaded = bright("contact-disc");
     let model = bench::model(&loaded);
     let path = film(&model, Integrator::Path, 768, 1 << 20, 1);
@@ -79,10 +79,10 @@ fn paths_splats_and_map_agree_on_a_disc_of_contact_and_see_an_albedo_off_by_2_pe
     agree_within(0.02, "path and map", &path, &map);
     agree_within(0.02, "splat and map", &splat, &map);
     if let Some(contact) = &mut loaded.scene.touch.contact {
-        contact.tissue.diffuse_reflectance = Some(0.51);
+        contact.tissue.diffuse_reflectance = Some(0.52);
     }
     let other = film(&bench::model(&loaded), Integrator::Map, 64, 1 << 22, 4);
-    assert!(!agree("another albedo", &path, &other));
+    assert!(!agree("another albedo", &splat, &other));
 }
 
 #[test]
