@@ -33,6 +33,7 @@ pub mod cli;
 pub mod estimate;
 pub mod film;
 pub mod image_io;
+pub mod mechanics;
 pub mod optics;
 pub mod report;
 pub mod scene;
