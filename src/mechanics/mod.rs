@@ -4,5 +4,15 @@
 //! (z > 0), the sensor below. In two dimensions the axes are (x, z) in plane strain and (r, z) in axisymmetry; z is always
 //! the last one.
 
+pub mod contact;
+pub mod element;
+pub mod kinematics;
 pub mod material;
 pub mod mesh;
+pub mod newton;
+pub mod path;
+pub mod problem;
+pub mod solid;
+pub mod sparse;
+#[cfg(test)]
+mod newton_tests;

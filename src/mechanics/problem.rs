@@ -1,0 +1,83 @@
+//! A boundary value problem and its states.
+
+use super::contact::Contact;
+use super::kinematics::Kinematics;
+use super::material::Material;
+use super::mesh::Mesh;
+
+/// A mesh with materials, supports, loads and contacts. All loads grow in proportion to one load factor.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// Setting.
+    pub kinematics: Kinematics,
+    /// The bodies, in one mesh.
+    pub mesh: Mesh,
+    /// Material of each region.
+    pub materials: Vec<Material>,
+    /// Prescribed displacements.
+    pub supports: Vec<Support>,
+    /// Dead forces on nodes at load factor 1, mN.
+    pub forces: Vec<(u32, [f64; 3])>,
+    /// Contacts.
+    pub contacts: Vec<Contact>,
+}
+
+/// A prescribed displacement component.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Support {
+    /// The node.
+    pub node: u32,
+    /// The component.
+    pub axis: usize,
+    /// Displacement at load factor 1, mm.
+    pub displacement_mm: f64,
+}
+
+/// A state of equilibrium (or a guess of one).
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Load factor.
+    pub load: f64,
+    /// Displacement of each node, mm.
+    pub displacement: Vec<[f64; 3]>,
+    /// Pressure coefficients, dim + 1 an element, kPa; tension positive.
+    pub pressure: Vec<f64>,
+    /// Traction at each touched node of each contact, kPa of the undeformed face: (normal pressure, 0, 0) and tangential
+    /// traction; bonded faces hold the whole vector in the second.
+    pub traction: Vec<Vec<Traction>>,
+}
+
+/// Traction at a touched node.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Traction {
+    /// Pressure, kPa; 0 for bonded faces.
+    pub normal: f64,
+    /// Tangential traction, or all of it for bonded faces, on the touched body, kPa.
+    pub vector: [f64; 3],
+}
+
+impl Problem {
+    /// The undeformed state.
+    pub fn start(&self) -> State {
+        State {
+            load: 0.0,
+            displacement: vec![[0.0; 3]; self.mesh.nodes.len()],
+            pressure: vec![0.0; self.mesh.element_count() * (self.kinematics.dim() + 1)],
+            traction: self.contacts.iter().map(|c| vec![Traction::default(); c.nodes.len()]).collect(),
+        }
+    }
+
+    /// Number of displacement unknowns.
+    pub fn unknowns(&self) -> usize {
+        let dim = self.kinematics.dim();
+        let mut held = vec![false; self.mesh.nodes.len() * dim];
+        self.supports.iter().for_each(|s| held[s.node as usize * dim + s.axis] = true);
+        held.iter().filter(|h| !**h).count()
+    }
+
+    /// Positions of the nodes in a state, mm.
+    pub fn positions(&self, state: &State) -> Vec<[f64; 3]> {
+        let sum = |x: &[f64; 3], u: &[f64; 3]| [x[0] + u[0], x[1] + u[1], x[2] + u[2]];
+        self.mesh.nodes.iter().zip(&state.displacement).map(|(x, u)| sum(x, u)).collect()
+    }
+}

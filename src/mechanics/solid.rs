@@ -1,0 +1,276 @@
+//! One element's forces, volume balance and tangent stiffness.
+//!
+//! Stationary point of  int W_iso(F) + p (J - 1) - p^2 / (2 kappa) dV  over displacement and pressure; for the linear law
+//! J - 1 is replaced by the trace of the strain. The pressure lives in one element, so it is condensed there. At the
+//! incompressible limit the pressure block vanishes; the *tangent* then keeps a small compressibility 1 / (1e4 mu), the
+//! *residual* does not: Newton's steps reach the exact solution, a thousandfold closer each time.
+
+use super::element::{MAX_NODES, MAX_PRESSURES, quadrature};
+use super::kinematics::{Kinematics, MaterialPoint, cofactor};
+use super::material::{Material, Tensor};
+
+/// Largest bulk modulus of the tangent, in shear moduli.
+const TANGENT_BULK: f64 = 1e4;
+
+/// What an element adds to the system. Unknown 3-vectors of nodes are laid out with stride `dim`.
+#[derive(Debug, Clone)]
+pub struct ElementSystem {
+    /// Internal force minus nothing: derivative of the potential by each displacement, mN.
+    pub force: Vec<f64>,
+    /// Tangent with the pressure condensed, full and row-major; empty where only residuals were asked for.
+    pub stiffness: Vec<f64>,
+    /// Force with the pressure's defect condensed in: the right side of Newton's step.
+    pub condensed: Vec<f64>,
+    /// Pressure step: `defect + slope . du`.
+    pub pressure_defect: [f64; MAX_PRESSURES],
+    /// Rows of the pressure's slope by displacement, kPa per mm.
+    pub pressure_slope: Vec<f64>,
+    /// Largest volume defect, mean of |J - 1 - p / kappa| weighted by the pressure functions.
+    pub volume_defect: f64,
+    /// Smallest J at the quadrature points.
+    pub min_jacobian: f64,
+}
+
+/// Pressure functions at a reference position: 1 and the distances from the element's middle in half sizes.
+pub fn pressure_functions(dim: usize, frame: &[[f64; 3]; 2], position: [f64; 3]) -> [f64; MAX_PRESSURES] {
+    let mut functions = [0.0; MAX_PRESSURES];
+    functions[0] = 1.0;
+    for i in 0..dim {
+        functions[1 + i] = (position[i] - frame[0][i]) / frame[1][i];
+    }
+    functions
+}
+
+/// Middle and half size of the box around an element.
+pub fn pressure_frame(nodes: &[[f64; 3]]) -> [[f64; 3]; 2] {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for node in nodes {
+        for i in 0..3 {
+            low[i] = low[i].min(node[i]);
+            high[i] = high[i].max(node[i]);
+        }
+    }
+    let half = [0, 1, 2].map(|i| (0.5 * (high[i] - low[i])).max(f64::MIN_POSITIVE));
+    [[0, 1, 2].map(|i| 0.5 * (low[i] + high[i])), half]
+}
+
+/// Evaluates an element; `None` where it is inside out or its law has no finite answer.
+pub fn element_system(
+    kinematics: Kinematics,
+    nodes: &[[f64; 3]],
+    displacement: &[[f64; 3]],
+    pressure: &[f64],
+    material: &Material,
+    tangent: bool,
+) -> Option<ElementSystem> {
+    let dim = kinematics.dim();
+    let (unknowns, pressures) = (nodes.len() * dim, dim + 1);
+    let frame = pressure_frame(nodes);
+    let small = material.law.is_small_strain();
+    let compliance = 1.0 / material.bulk_kpa();
+    let mut force = vec![0.0; unknowns];
+    let mut stiffness = vec![0.0; if tangent { unknowns * unknowns } else { 0 }];
+    let mut slope = vec![0.0; pressures * unknowns];
+    let mut mass = [[0.0; MAX_PRESSURES]; MAX_PRESSURES];
+    let mut balance = [0.0; MAX_PRESSURES];
+    let mut min_jacobian = f64::INFINITY;
+    for at in quadrature(dim) {
+        let point = kinematics.point(nodes, at)?;
+        let mut f = point.displacement_gradient(dim, displacement);
+        let trace = f[0][0] + f[1][1] + f[2][2];
+        (0..3).for_each(|i| f[i][i] += 1.0);
+        let functions = pressure_functions(dim, &frame, point.position);
+        let p: f64 = (0..pressures).map(|k| functions[k] * pressure[k]).sum();
+        let (change, direction) = if small { (trace, IDENTITY) } else { (determinant(&f) - 1.0, cofactor(&f)) };
+        if !small && change <= -1.0 {
+            return None;
+        }
+        min_jacobian = min_jacobian.min(1.0 + change);
+        let mut response = material.isochoric(&f, None)?;
+        for k in 0..9 {
+            response.stress[k] += p * direction[k / 3][k % 3];
+        }
+        let operator = Operator::new(kinematics, &point, nodes.len());
+        let volume = point.volume;
+        operator.scatter(&response.stress, volume, &mut force);
+        let mut divergence = [0.0; MAX_NODES * 3];
+        operator.scatter(&flat(&direction), volume, &mut divergence[..unknowns]);
+        for k in 0..pressures {
+            balance[k] += volume * functions[k] * (change - compliance * p);
+            for l in 0..pressures {
+                mass[k][l] += volume * functions[k] * functions[l];
+            }
+            for (row, d) in slope[k * unknowns..(k + 1) * unknowns].iter_mut().zip(&divergence) {
+                *row += functions[k] * d;
+            }
+        }
+        if tangent {
+            if !small {
+                add_cofactor_derivative(&f, p, &mut response.tangent);
+            }
+            operator.add_stiffness(&response.tangent, volume, &mut stiffness);
+        }
+    }
+    let volume_defect = balance[..pressures].iter().fold(0.0, |m: f64, b| m.max((b / mass[0][0]).abs()));
+    let mut system = ElementSystem {
+        condensed: force.clone(),
+        force,
+        stiffness,
+        pressure_defect: [0.0; MAX_PRESSURES],
+        pressure_slope: slope,
+        volume_defect,
+        min_jacobian,
+    };
+    if tangent {
+        let bulk = material.bulk_kpa().min(f64::MAX).recip() + softening(material);
+        system.condense(unknowns, pressures, &mass, &balance, 1.0 / bulk)?;
+    }
+    Some(system)
+}
+
+/// Compressibility that the tangent keeps beyond the law's own, per kPa.
+fn softening(material: &Material) -> f64 {
+    let largest = TANGENT_BULK * material.law.shear_kpa();
+    if material.bulk_kpa() > largest { 1.0 / largest } else { 0.0 }
+}
+
+impl ElementSystem {
+    /// K += kappa B^T M^-1 B, and the defect of the pressure into the forces.
+    fn condense(
+        &mut self,
+        unknowns: usize,
+        pressures: usize,
+        mass: &[[f64; MAX_PRESSURES]; MAX_PRESSURES],
+        balance: &[f64; MAX_PRESSURES],
+        bulk: f64,
+    ) -> Option<()> {
+        let factor = small_cholesky(mass, pressures)?;
+        let divergence = self.pressure_slope.clone();
+        let solve = |right: [f64; MAX_PRESSURES]| small_solve(&factor, pressures, right);
+        self.pressure_defect = solve(*balance).map(|x| bulk * x);
+        for j in 0..unknowns {
+            let mut column = [0.0; MAX_PRESSURES];
+            (0..pressures).for_each(|k| column[k] = divergence[k * unknowns + j]);
+            let column = solve(column);
+            (0..pressures).for_each(|k| self.pressure_slope[k * unknowns + j] = bulk * column[k]);
+        }
+        for k in 0..pressures {
+            let (rows, slope) = (&divergence[k * unknowns..], &self.pressure_slope[k * unknowns..(k + 1) * unknowns]);
+            for i in 0..unknowns {
+                self.condensed[i] += rows[i] * self.pressure_defect[k];
+                for (entry, s) in self.stiffness[i * unknowns..(i + 1) * unknowns].iter_mut().zip(slope) {
+                    *entry += rows[i] * s;
+                }
+            }
+        }
+        Some(())
+    }
+}
+
+const IDENTITY: Tensor = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+fn flat(t: &Tensor) -> [f64; 9] {
+    [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|k| t[k / 3][k % 3])
+}
+
+/// Determinant of a 3 x 3 matrix.
+pub fn determinant(m: &Tensor) -> f64 {
+    let c = cofactor(m);
+    m[0][0] * c[0][0] + m[0][1] * c[0][1] + m[0][2] * c[0][2]
+}
+
+/// Adds p d2J/dF dF: entry (iJ, kL) is e_ikm e_JLN F_mN.
+fn add_cofactor_derivative(f: &Tensor, p: f64, tangent: &mut [[f64; 9]; 9]) {
+    for i in 0..3 {
+        for j in 0..3 {
+            for (k, l, sign) in [(1, 1, 1.0), (2, 2, 1.0), (1, 2, -1.0), (2, 1, -1.0)] {
+                // e_ikm e_jln over k = i + 1, i + 2 and l = j + 1, j + 2.
+                let (m, n) = ((i + 3 - k) % 3, (j + 3 - l) % 3);
+                tangent[3 * i + j][3 * ((i + k) % 3) + (j + l) % 3] += sign * p * f[m][n];
+            }
+        }
+    }
+}
+
+/// The strain operator at a point: how each unknown moves the nine components of F.
+struct Operator<'a> {
+    point: &'a MaterialPoint,
+    nodes: usize,
+    dim: usize,
+    hoop: bool,
+}
+
+impl<'a> Operator<'a> {
+    fn new(kinematics: Kinematics, point: &'a MaterialPoint, nodes: usize) -> Self {
+        Self { point, nodes, dim: kinematics.dim(), hoop: kinematics == Kinematics::Axisymmetric }
+    }
+
+    /// forces += volume G^T stress.
+    fn scatter(&self, stress: &[f64; 9], volume: f64, force: &mut [f64]) {
+        for a in 0..self.nodes {
+            let gradient = &self.point.gradient[a];
+            for c in 0..self.dim {
+                let mut sum = 0.0;
+                for j in 0..self.dim {
+                    sum += stress[3 * c + j] * gradient[j];
+                }
+                if self.hoop && c == 0 {
+                    sum += stress[8] * self.point.hoop[a];
+                }
+                force[a * self.dim + c] += volume * sum;
+            }
+        }
+    }
+
+    /// stiffness += volume G^T tangent G.
+    fn add_stiffness(&self, tangent: &[[f64; 9]; 9], volume: f64, stiffness: &mut [f64]) {
+        let unknowns = self.nodes * self.dim;
+        let mut column = [0.0; MAX_NODES * 3];
+        for b in 0..self.nodes {
+            for d in 0..self.dim {
+                let mut stress = [0.0; 9];
+                for (k, s) in stress.iter_mut().enumerate() {
+                    for j in 0..self.dim {
+                        *s += tangent[k][3 * d + j] * self.point.gradient[b][j];
+                    }
+                    if self.hoop && d == 0 {
+                        *s += tangent[k][8] * self.point.hoop[b];
+                    }
+                }
+                column[..unknowns].fill(0.0);
+                self.scatter(&stress, volume, &mut column[..unknowns]);
+                let row = b * self.dim + d;
+                for (entry, value) in stiffness[row * unknowns..(row + 1) * unknowns].iter_mut().zip(&column) {
+                    *entry += value;
+                }
+            }
+        }
+    }
+}
+
+type Small = [[f64; MAX_PRESSURES]; MAX_PRESSURES];
+
+/// Cholesky factor of the leading n x n block.
+fn small_cholesky(matrix: &Small, n: usize) -> Option<Small> {
+    let mut factor = Small::default();
+    for i in 0..n {
+        for j in 0..=i {
+            let sum: f64 = matrix[i][j] - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
+            factor[i][j] = if i == j { sum.sqrt() } else { sum / factor[j][j] };
+        }
+        if !(factor[i][i] > 0.0) {
+            return None;
+        }
+    }
+    Some(factor)
+}
+
+fn small_solve(factor: &Small, n: usize, mut x: [f64; MAX_PRESSURES]) -> [f64; MAX_PRESSURES] {
+    for i in 0..n {
+        x[i] = (x[i] - (0..i).map(|k| factor[i][k] * x[k]).sum::<f64>()) / factor[i][i];
+    }
+    for i in (0..n).rev() {
+        x[i] = (x[i] - (i + 1..n).map(|k| factor[k][i] * x[k]).sum::<f64>()) / factor[i][i];
+    }
+    x
+}
