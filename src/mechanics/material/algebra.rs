@@ -10,21 +10,18 @@ pub(super) fn determinant(f: &Tensor) -> f64 {
 
 /// Cofactor J F^(-T).
 pub(super) fn cofactor(f: &Tensor) -> Tensor {
-    let minor = |i: usize, j: usize| {
-        let ([p, q], [r, s]) = (others(i), others(j));
-        f[p][r] * f[q][s] - f[p][s] * f[q][r]
-    };
-    std::array::from_fn(|i| std::array::from_fn(|j| minor(i, j)))
+    let [x, y, z] = f;
+    [cross(y, z), cross(z, x), cross(x, y)]
 }
 
-/// The two axes after `axis`, cyclic.
-pub(super) fn others(axis: usize) -> [usize; 2] {
-    [(axis + 1) % 3, (axis + 2) % 3]
+fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// Row by row, as in [`super::Response::stress`].
 pub(super) fn flat(f: &Tensor) -> [f64; 9] {
-    std::array::from_fn(|r| f[r / 3][r % 3])
+    let [x, y, z] = f;
+    [x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]]
 }
 
 /// F^T F - 1, from F - 1: good to round-off of the strain where the strain is small and the rotation too.

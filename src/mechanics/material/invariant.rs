@@ -33,10 +33,12 @@ pub(super) fn respond(f: &Tensor, g: impl Fn(f64) -> Derivatives) -> Option<Resp
         let (i, j) = (r / 3, r % 3);
         let along_slope = g2 * slope[r] - 2.0 / 3.0 * g1 * inverse[r];
         let along_inverse = -2.0 / 3.0 * (g1 * slope[r] + shear * inverse[r]);
-        for (c, entry) in row.iter_mut().enumerate() {
-            let (m, l) = (c / 3, c % 3);
-            *entry =
-                along_slope * slope[c] + along_inverse * inverse[c] + shear * inverse[3 * i + l] * inverse[3 * m + j];
+        for m in 0..3 {
+            let across = shear * inverse[3 * m + j];
+            for l in 0..3 {
+                let c = 3 * m + l;
+                row[c] = along_slope * slope[c] + along_inverse * inverse[c] + across * inverse[3 * i + l];
+            }
         }
         row[r] += 2.0 * g1 * k;
     }

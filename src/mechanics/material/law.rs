@@ -36,7 +36,7 @@ pub enum Law {
     /// W = (b/m) ((exp(m e) - 1)/m - e) with e = sqrt((I1 - 3)/3), which is |eps| for a small uniaxial strain of an
     /// incompressible body. dW/dI1 = (b/m) (exp(m e) - 1)/(6 e) is positive and rises with I1: W is polyconvex.
     /// The one-dimensional law was fitted in compression, eps > 0 there. This form stiffens in tension in the same manner,
-    /// as tissue does; the one-dimensional law itself would soften there.
+    /// as soft tissue does (Fung, Am. J. Physiol. 213, 1967); the one-dimensional law itself would soften there.
     /// mu = b / 3.
     Exponential {
         /// b, Young's modulus at small strain of the incompressible body.

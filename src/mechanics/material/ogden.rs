@@ -45,10 +45,10 @@ pub(super) fn respond(f: &Tensor, terms: &[OgdenTerm]) -> Option<Response> {
     let stress = std::array::from_fn(|r| (0..3).map(|a| beta[a] / stretch[a] * basis[4 * a][r]).sum());
     let rows = tangent_rows(&sums, &beta, &stretch, &basis);
     let mut tangent = [[0.0; 9]; 9];
-    for (outer, inner) in basis.iter().zip(&rows) {
-        for (row, o) in tangent.iter_mut().zip(outer) {
+    for (r, row) in tangent.iter_mut().enumerate() {
+        for (outer, inner) in basis.iter().zip(&rows) {
             for (entry, i) in row.iter_mut().zip(inner) {
-                *entry += o * i;
+                *entry += outer[r] * i;
             }
         }
     }

@@ -28,7 +28,7 @@ fn rotate(a: &mut Tensor, columns: &mut Tensor, p: usize, q: usize) {
         return;
     }
     let theta = (a[q][q] - a[p][p]) / (2.0 * off);
-    let tangent = theta.signum() / (theta.abs() + theta.hypot(1.0));
+    let tangent = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
     let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
     let sine = tangent * cosine;
     a[p][p] -= tangent * off;
@@ -45,5 +45,31 @@ fn rotate(a: &mut Tensor, columns: &mut Tensor, p: usize, q: usize) {
         let (vp, vq) = (row[p], row[q]);
         row[p] = cosine * vp - sine * vq;
         row[q] = sine * vp + cosine * vq;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenvalues_and_vectors_rebuild_the_tensor_also_where_values_are_equal() {
+        let mixed = [[2.0, 1.0, 0.5], [1.0, -1.0, 0.25], [0.5, 0.25, 0.75]];
+        let twin = [[1.0, 0.0, 1e-9], [0.0, 1.0, 1e-13], [1e-9, 1e-13, 1.0]];
+        let rank_one = [[1.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 1.0, 1.0]];
+        let graded = [[1e6, 1.0, 1e-3], [1.0, 1.0, 1e-3], [1e-3, 1e-3, 1e-6]];
+        for s in [mixed, twin, rank_one, graded, [[0.0; 3]; 3]] {
+            let (values, vectors) = eigen(&s);
+            let size = s.iter().flatten().fold(0.0f64, |most, entry| most.max(entry.abs()));
+            for i in 0..3 {
+                for j in 0..3 {
+                    let rebuilt = (0..3).map(|a| values[a] * vectors[a][i] * vectors[a][j]).sum::<f64>();
+                    // Some thirty rotations of round-off each.
+                    assert!((rebuilt - s[i][j]).abs() < 1e-14 * size.max(f64::MIN_POSITIVE), "{s:?}");
+                    let product = (0..3).map(|k| vectors[i][k] * vectors[j][k]).sum::<f64>();
+                    assert!((product - f64::from(u8::from(i == j))).abs() < 1e-14, "{s:?}");
+                }
+            }
+        }
     }
 }

@@ -54,8 +54,15 @@ fn laws_that_contain_the_neo_hookean_one_equal_it() {
     let yeoh = Law::Yeoh { c_kpa: [7.0, 0.0, 0.0] };
     let ogden = Law::Ogden { terms: vec![OgdenTerm { shear_kpa: 14.0, exponent: 2.0 }] };
     let mut random = Random(4);
-    for _ in 0..200 {
-        let stretches = random.vector().map(|s| (0.7 * s).exp());
+    for round in 0..400 {
+        let mut stretches = random.vector().map(|s| (0.7 * s).exp());
+        if round >= 200 {
+            // Two stretches equal, or apart by 1e-16 ... 0.1, on both sides of where the quotient changes its form.
+            stretches[1] = stretches[0] + 10f64.powi(-(round % 17));
+        }
+        if round >= 300 {
+            stretches[2] = stretches[0] - 10f64.powi(-(round / 17) % 17 - 1);
+        }
         let f = random.stretched(stretches);
         let want = neo_hookean.isochoric(&f).unwrap();
         for law in [&yeoh, &ogden] {
