@@ -3,7 +3,7 @@
 use super::MeshError;
 
 /// Room an O-grid likes around an inclusion, in units of the inclusion's reach along the axis.
-const MARGIN: f64 = 0.4;
+pub(super) const MARGIN: f64 = 0.4;
 
 /// Below this room a box goes up to the face itself: a strip between would be thinner than the O-grid's own cells.
 const NARROW: f64 = 0.5;

@@ -139,7 +139,7 @@ fn weld(dim: usize, points: &[[f64; 3]]) -> (Vec<[f64; 3]>, Vec<u32>) {
 }
 
 /// Faces that only one element has; a face is known by the node in its middle.
-fn boundary(mesh: &Mesh) -> Vec<Facet> {
+pub(super) fn boundary(mesh: &Mesh) -> Vec<Facet> {
     let all = || {
         (0..mesh.element_count()).flat_map(|e| {
             (0..2 * mesh.dim).map(move |side| Facet { element: e as u32, side: side as u8, boundary: Boundary::Side })

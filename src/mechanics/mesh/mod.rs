@@ -11,6 +11,7 @@ mod inclusion;
 mod lines;
 mod ogrid;
 mod phantom;
+mod plan;
 mod quality;
 mod resolution;
 mod sensor;

@@ -62,6 +62,8 @@ pub(super) struct Layout {
     pub axes: Vec<Lines>,
     /// The inclusions' boxes.
     pub boxes: Vec<InclusionBox>,
+    /// Sizes along the first axis.
+    pub radial: Grading,
 }
 
 impl PhantomShape {
@@ -95,7 +97,7 @@ impl PhantomMesh {
     /// # Errors
     /// Sizes not positive, inclusions that stick out or cannot be told apart, too many elements.
     pub fn build_2d(&self) -> Result<Mesh, MeshError> {
-        let layout = self.layout(2, self.shape.half_widths(), &[])?;
+        let layout = self.layout(2, self.shape.half_widths())?;
         let mut builder = Builder::new(2);
         self.fill(&mut builder, &layout)?;
         builder.finish(between_planes(2, 0.0, self.shape.height_mm(), self.symmetry))
@@ -106,7 +108,7 @@ impl PhantomMesh {
     /// # Errors
     /// As `build_2d`.
     pub fn contact_lines(&self) -> Result<Lines, MeshError> {
-        let layout = self.layout(2, self.shape.half_widths(), &[])?;
+        let layout = self.layout(2, self.shape.half_widths())?;
         let edge = self.footprint.half_widths()[0];
         Ok(layout.axes.first().map_or(Lines(Vec::new()), |lines| lines.between(-edge, edge)))
     }
@@ -129,7 +131,7 @@ impl PhantomMesh {
         };
         builder.add_grid(&layout.axes, |cell| (!inside(cell)).then_some(0))?;
         let rings =
-            (0.35 * self.resolution.inclusion_divisions).round().max(1.0) as usize * self.resolution.subdivision;
+            (0.45 * self.resolution.inclusion_divisions).round().max(1.0) as usize * self.resolution.subdivision;
         for (k, (item, shape)) in layout.boxes.iter().zip(&self.inclusions).enumerate() {
             let axis_nodes = |axis: usize| match layout.axes.get(axis) {
                 Some(lines) => lines.between(item.range[axis][0], item.range[axis][1]).nodes(),
@@ -150,8 +152,8 @@ impl PhantomMesh {
         Ok(())
     }
 
-    /// Lines and boxes in a grid of the given half widths, with further lines along x and y at `breaks`.
-    pub(super) fn layout(&self, dim: usize, half: [f64; 2], breaks: &[[f64; 2]]) -> Result<Layout, MeshError> {
+    /// Lines and boxes in a grid of the given half widths along x and y.
+    pub(super) fn layout(&self, dim: usize, half: [f64; 2]) -> Result<Layout, MeshError> {
         self.resolution.check()?;
         for width in self.shape.half_widths().into_iter().chain(half) {
             positive("the phantom's width", width)?;
@@ -160,7 +162,7 @@ impl PhantomMesh {
         for width in self.footprint.half_widths() {
             positive("the contact's width", width)?;
         }
-        let (domain, mut lines) = self.domain(dim, half, breaks);
+        let (domain, mut lines) = self.domain(dim, half);
         let mut shapes = Vec::new();
         for inclusion in &self.inclusions {
             let extent = inclusion.surface.extent()?;
@@ -175,16 +177,16 @@ impl PhantomMesh {
             breaks.dedup();
             axes.push(self.grading(&domain, axis, &boxes).lines(breaks, self.resolution.subdivision)?);
         }
-        Ok(Layout { axes, boxes })
+        let radial = self.grading(&domain, 0, &boxes);
+        Ok(Layout { axes, boxes, radial })
     }
 
-    fn domain(&self, dim: usize, half: [f64; 2], breaks: &[[f64; 2]]) -> (Domain, [Vec<f64>; 3]) {
+    fn domain(&self, dim: usize, half: [f64; 2]) -> (Domain, [Vec<f64>; 3]) {
         let plane = |axis: usize| {
             let (width, low) = (half[axis], if self.symmetry[axis] { 0.0 } else { -half[axis] });
             let edge = self.footprint.half_widths()[axis];
-            let inner: Vec<f64> =
-                breaks.iter().map(|at| at[axis]).chain([edge]).filter(|&x| x < width).flat_map(|x| [-x, x]).collect();
-            ([low, width], inner.into_iter().filter(|&x| x > low).collect::<Vec<f64>>())
+            let inner = [-edge, edge].into_iter().filter(|&x| low < x && x < width);
+            ([low, width], inner.collect::<Vec<f64>>())
         };
         let height = [0.0, self.shape.height_mm()];
         let (x, y) = (plane(0), plane(1));

@@ -70,8 +70,7 @@ pub(super) fn unfolded(mesh: &Mesh) -> Result<(), MeshError> {
     for element in 0..mesh.element_count() {
         let nodes = mesh.element_positions(element);
         let least = gauss(mesh.dim).map(|(at, _)| jacobian(mesh.dim, &nodes, at).0).fold(f64::INFINITY, f64::min);
-        // A NaN must fail as well.
-        if !(least > 0.0) {
+        if least.is_nan() || least <= 0.0 {
             let at_mm = position(mesh.dim, &nodes, [0.0; 3]);
             return Err(MeshError::Folded { element, at_mm, jacobian: least });
         }

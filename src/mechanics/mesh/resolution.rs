@@ -25,9 +25,15 @@ impl Resolution {
     pub const PLANE: Self =
         Self { edge_mm: 0.3, contact_mm: 1.4, coarsest_mm: 3.0, growth: 0.3, inclusion_divisions: 4.0, subdivision: 2 };
 
-    /// For three dimensions: about 3,000 elements for a quarter of the same phantom.
-    pub const SOLID: Self =
-        Self { edge_mm: 1.0, contact_mm: 2.6, coarsest_mm: 5.0, growth: 0.5, inclusion_divisions: 3.0, subdivision: 1 };
+    /// For three dimensions: about 2,000 elements for a quarter of the same phantom.
+    pub const SOLID: Self = Self {
+        edge_mm: 0.9,
+        contact_mm: 2.2,
+        coarsest_mm: 4.5,
+        growth: 0.45,
+        inclusion_divisions: 3.0,
+        subdivision: 1,
+    };
 
     /// The same mesh with elements of twice the size (or as near as whole numbers come), for an estimate of the error.
     pub fn halved(self) -> Self {

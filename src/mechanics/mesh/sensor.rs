@@ -3,7 +3,7 @@
 use super::builder::{Builder, between_planes};
 use super::error::positive;
 use super::lines::Grading;
-use super::{Footprint, Lines, Mesh, MeshError, PhantomMesh, Resolution};
+use super::{Footprint, Lines, Mesh, MeshError, PhantomMesh, PhantomShape, Resolution};
 
 /// A stack of layers whose top is the touched face z = 0. Regions: the layers, 0 the lowest.
 #[derive(Debug, Clone)]
@@ -28,10 +28,7 @@ impl SensorMesh {
         let (heights, regions) = self.heights()?;
         let edge = self.footprint.half_widths()[0];
         let low = if self.symmetry[0] { 0.0 } else { -edge };
-        let lines = match phantom {
-            Some(phantom) => phantom.contact_lines()?,
-            None => self.across().lines(&[low, edge], self.resolution.subdivision)?,
-        };
+        let lines = phantom.unwrap_or(&self.alone()).contact_lines()?;
         if lines.0.first() != Some(&low) || lines.0.last() != Some(&edge) {
             return Err(MeshError::NoSharedEdge { edge_mm: edge });
         }
@@ -41,16 +38,41 @@ impl SensorMesh {
         builder.finish(between_planes(2, 0.0, base, self.symmetry))
     }
 
+    /// The mesh of hexahedra, as [`Self::build_2d`].
+    ///
+    /// # Errors
+    /// As `build_2d`.
+    pub fn build_3d(&self, phantom: Option<&PhantomMesh>) -> Result<Mesh, MeshError> {
+        let (heights, regions) = self.heights()?;
+        let plan = phantom.unwrap_or(&self.alone()).contact_plan()?;
+        let edges = self.footprint.half_widths();
+        if phantom.is_some_and(|phantom| phantom.footprint != self.footprint || phantom.symmetry != self.symmetry) {
+            return Err(MeshError::NoSharedEdge { edge_mm: edges[0] });
+        }
+        let base = heights.0.first().copied().unwrap_or(0.0);
+        let mut builder = Builder::new(3);
+        plan.add_sectors(&mut builder, &heights, &regions)?;
+        let [x, y] = plan.core;
+        builder.add_grid(&[x, y, heights], |cell| regions.get(cell[2]).copied())?;
+        builder.finish(between_planes(3, 0.0, base, self.symmetry))
+    }
+
     /// The same sensor with elements of twice the size.
     pub fn halved(&self) -> Self {
         Self { resolution: self.resolution.halved(), ..self.clone() }
     }
 
-    /// Sizes along x without a phantom.
-    fn across(&self) -> Grading {
-        let (size, edge) = (self.resolution, self.footprint.half_widths()[0]);
-        let features = vec![[edge, edge, size.edge_mm], [-edge, -edge, size.edge_mm], [-edge, edge, size.contact_mm]];
-        Grading { growth: size.growth, coarsest_mm: size.coarsest_mm, features }
+    /// A body of the sensor's own outline, pressed all over, for its lines.
+    fn alone(&self) -> PhantomMesh {
+        let height_mm = self.layers_mm.iter().sum();
+        let shape = match self.footprint {
+            Footprint::Round { radius_mm } => PhantomShape::Cylinder { radius_mm, height_mm },
+            Footprint::Rectangle { half_widths_mm } => {
+                PhantomShape::Block { size_mm: half_widths_mm.map(|half| 2.0 * half), height_mm }
+            }
+        };
+        let (footprint, symmetry, resolution) = (self.footprint, self.symmetry, self.resolution);
+        PhantomMesh { shape, inclusions: Vec::new(), footprint, symmetry, resolution }
     }
 
     /// Lines across the layers and the layer of each cell.

@@ -16,9 +16,10 @@ use super::{Boundary, Mesh, MeshError};
 /// # Errors
 /// No divisions, too many, or a mesh that the moves fold.
 pub fn patch(dim: usize, divisions: usize, distortion: f64, bend: f64, seed: u64) -> Result<Mesh, MeshError> {
+    let dim = dim.clamp(2, 3);
     let n = positive("the divisions of a patch", divisions as f64)?;
     let counts = [divisions, divisions, if dim == 3 { divisions } else { 1 }];
-    let mut builder = Builder::new(if dim == 3 { 3 } else { 2 });
+    let mut builder = Builder::new(dim);
     builder.expect_elements(counts.iter().fold(1, |all: usize, &count| all.saturating_mul(count)))?;
     let moved = |index: [usize; 3], share: f64, axis: usize| {
         let inside = (0..dim).all(|i| index[i] > 0 && index[i] < 2 * divisions);

@@ -4,7 +4,9 @@ use std::f64::consts::PI;
 
 use super::*;
 
+mod anywhere;
 mod plane;
+mod solid;
 mod verification;
 
 /// The phantom of the press: radius 30, height 25, sensor radius 15 mm.
@@ -56,4 +58,18 @@ fn assert_conforming(mesh: &Mesh, boundary_measure: f64, tolerance: f64) {
         sum += super::quality::face_measure(mesh.dim, &nodes);
     }
     assert!((sum - boundary_measure).abs() < tolerance, "boundary {sum}, expected {boundary_measure}");
+}
+
+#[test]
+#[should_panic(expected = "boundary")]
+fn a_mesh_with_a_gap_inside_does_not_pass_as_conforming() {
+    let mut mesh = phantom(vec![sphere(8.0, 5.0)]).build_2d().unwrap();
+    // One element of the inclusion gets nodes of its own, as if they had not been welded.
+    let element = (0..mesh.element_count()).find(|&e| mesh.region[e] == 1).unwrap();
+    for a in element * 9..(element + 1) * 9 {
+        mesh.nodes.push(mesh.nodes[mesh.elements[a] as usize]);
+        mesh.elements[a] = mesh.nodes.len() as u32 - 1;
+    }
+    mesh.facets = super::builder::boundary(&mesh);
+    assert_conforming(&mesh, 2.0 * (30.0 + 25.0), 1e-9);
 }
