@@ -1,0 +1,235 @@
+//! Meshes of the phantom: a tensor grid of graded lines in which each inclusion's box holds an O-grid.
+
+use super::boxes::{Domain, InclusionBox};
+use super::builder::{Builder, between_planes};
+use super::error::positive;
+use super::lines::Grading;
+use super::ogrid::Ogrid;
+use super::{InclusionShape, Lines, Mesh, MeshError, Resolution};
+
+/// Outer shape of a phantom; it stands on its touched face z = 0, its axis is x = y = 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PhantomShape {
+    /// A round cylinder.
+    Cylinder {
+        /// Its radius, mm.
+        radius_mm: f64,
+        /// Its height, mm.
+        height_mm: f64,
+    },
+    /// A block.
+    Block {
+        /// Its whole widths along x and y, mm.
+        size_mm: [f64; 2],
+        /// Its height, mm.
+        height_mm: f64,
+    },
+}
+
+/// Outline of the contact, centred on the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Footprint {
+    /// A disc.
+    Round {
+        /// Its radius, mm.
+        radius_mm: f64,
+    },
+    /// A rectangle along the axes.
+    Rectangle {
+        /// Half its widths along x and y, mm.
+        half_widths_mm: [f64; 2],
+    },
+}
+
+/// A phantom with inclusions, to be meshed. Regions: 0 the phantom, k inclusion k (from 1).
+#[derive(Debug, Clone)]
+pub struct PhantomMesh {
+    /// Outer shape.
+    pub shape: PhantomShape,
+    /// Bodies inside.
+    pub inclusions: Vec<InclusionShape>,
+    /// Where it is pressed; elements are graded to this outline.
+    pub footprint: Footprint,
+    /// Whether only x >= 0 and only y >= 0 are meshed. In axisymmetry the first must be set.
+    pub symmetry: [bool; 2],
+    /// Size of elements.
+    pub resolution: Resolution,
+}
+
+/// Grid lines and boxes.
+pub(super) struct Layout {
+    /// Lines along each axis, the last across the touched face.
+    pub axes: Vec<Lines>,
+    /// The inclusions' boxes.
+    pub boxes: Vec<InclusionBox>,
+    /// Sizes along the first axis.
+    pub radial: Grading,
+}
+
+impl PhantomShape {
+    pub(super) fn half_widths(&self) -> [f64; 2] {
+        match *self {
+            Self::Cylinder { radius_mm, .. } => [radius_mm; 2],
+            Self::Block { size_mm, .. } => size_mm.map(|size| 0.5 * size),
+        }
+    }
+
+    /// Height, mm.
+    pub fn height_mm(&self) -> f64 {
+        match *self {
+            Self::Cylinder { height_mm, .. } | Self::Block { height_mm, .. } => height_mm,
+        }
+    }
+}
+
+impl Footprint {
+    pub(super) fn half_widths(&self) -> [f64; 2] {
+        match *self {
+            Self::Round { radius_mm } => [radius_mm; 2],
+            Self::Rectangle { half_widths_mm } => half_widths_mm,
+        }
+    }
+}
+
+impl PhantomMesh {
+    /// The mesh of the section y = 0: quadrilaterals in (x, z), or in (r, z) with the first symmetry.
+    ///
+    /// # Errors
+    /// Sizes not positive, inclusions that stick out or cannot be told apart, too many elements.
+    pub fn build_2d(&self) -> Result<Mesh, MeshError> {
+        let layout = self.layout(2, self.shape.half_widths())?;
+        let mut builder = Builder::new(2);
+        self.fill(&mut builder, &layout)?;
+        builder.finish(between_planes(2, 0.0, self.shape.height_mm(), self.symmetry))
+    }
+
+    /// The x-lines of [`Self::build_2d`] within the contact, for a sensor that shares its nodes.
+    ///
+    /// # Errors
+    /// As `build_2d`.
+    pub fn contact_lines(&self) -> Result<Lines, MeshError> {
+        let layout = self.layout(2, self.shape.half_widths())?;
+        let edge = self.footprint.half_widths()[0];
+        Ok(layout.axes.first().map_or(Lines(Vec::new()), |lines| lines.between(-edge, edge)))
+    }
+
+    /// The same phantom with elements of twice the size, for an estimate of the error from two meshes.
+    pub fn halved(&self) -> Self {
+        Self { resolution: self.resolution.halved(), ..self.clone() }
+    }
+
+    /// Adds grid and inclusions.
+    pub(super) fn fill(&self, builder: &mut Builder, layout: &Layout) -> Result<(), MeshError> {
+        let dim = layout.axes.len();
+        let inside = |cell: [usize; 3]| {
+            layout.boxes.iter().any(|item| {
+                (0..dim).all(|axis| {
+                    let lines = &layout.axes[axis].0;
+                    lines[cell[axis]] >= item.range[axis][0] && lines[cell[axis] + 1] <= item.range[axis][1]
+                })
+            })
+        };
+        builder.add_grid(&layout.axes, |cell| (!inside(cell)).then_some(0))?;
+        let rings =
+            (0.45 * self.resolution.inclusion_divisions).round().max(1.0) as usize * self.resolution.subdivision;
+        for (k, (item, shape)) in layout.boxes.iter().zip(&self.inclusions).enumerate() {
+            let axis_nodes = |axis: usize| match layout.axes.get(axis) {
+                Some(lines) => lines.between(item.range[axis][0], item.range[axis][1]).nodes(),
+                None => vec![0.0],
+            };
+            let radius = |u: [f64; 3]| shape.surface.radius(k + 1, if dim == 2 { [u[0], 0.0, u[1]] } else { u });
+            let ogrid = Ogrid {
+                dim,
+                center: item.center,
+                axes: [axis_nodes(0), axis_nodes(1), axis_nodes(2)],
+                cut: item.cut,
+                rings: [rings; 2],
+                regions: [k as u32 + 1, 0],
+                radius: &radius,
+            };
+            ogrid.fill(builder)?;
+        }
+        Ok(())
+    }
+
+    /// Lines and boxes in a grid of the given half widths along x and y.
+    pub(super) fn layout(&self, dim: usize, half: [f64; 2]) -> Result<Layout, MeshError> {
+        self.resolution.check()?;
+        for width in self.shape.half_widths().into_iter().chain(half) {
+            positive("the phantom's width", width)?;
+        }
+        positive("the phantom's height", self.shape.height_mm())?;
+        for width in self.footprint.half_widths() {
+            positive("the contact's width", width)?;
+        }
+        let (domain, mut lines) = self.domain(dim, half);
+        let mut shapes = Vec::new();
+        for inclusion in &self.inclusions {
+            let extent = inclusion.surface.extent()?;
+            let [x, y, z] = inclusion.center_mm;
+            shapes.push(if dim == 2 { ([x, z, 0.0], [extent[0], extent[2], [0.0; 2]]) } else { ([x, y, z], extent) });
+        }
+        let boxes = domain.boxes(&shapes)?;
+        let mut axes = Vec::new();
+        for (axis, breaks) in lines.iter_mut().enumerate().take(dim) {
+            breaks.extend(boxes.iter().flat_map(|item| item.range[axis]));
+            breaks.sort_by(f64::total_cmp);
+            breaks.dedup();
+            axes.push(self.grading(&domain, axis, &boxes).lines(breaks, self.resolution.subdivision)?);
+        }
+        let radial = self.grading(&domain, 0, &boxes);
+        Ok(Layout { axes, boxes, radial })
+    }
+
+    fn domain(&self, dim: usize, half: [f64; 2]) -> (Domain, [Vec<f64>; 3]) {
+        let plane = |axis: usize| {
+            let (width, low) = (half[axis], if self.symmetry[axis] { 0.0 } else { -half[axis] });
+            let edge = self.footprint.half_widths()[axis];
+            let inner = [-edge, edge].into_iter().filter(|&x| low < x && x < width);
+            ([low, width], inner.collect::<Vec<f64>>())
+        };
+        let height = [0.0, self.shape.height_mm()];
+        let (x, y) = (plane(0), plane(1));
+        let (range, lines) = if dim == 2 {
+            ([x.0, height, [0.0; 2]], [x.1, Vec::new(), Vec::new()])
+        } else {
+            ([x.0, y.0, height], [x.1, y.1, Vec::new()])
+        };
+        let side = |symmetric: bool| if symmetric { ["plane of symmetry", "side"] } else { ["side"; 2] };
+        let mut faces = [side(self.symmetry[0]), side(self.symmetry[1]), [""; 2]];
+        faces[dim - 1] = ["touched face", "base"];
+        let mut symmetry = [self.symmetry[0], self.symmetry[1], false];
+        symmetry[dim - 1] = false;
+        let mut all = lines.clone();
+        (0..dim).for_each(|axis| all[axis].extend(range[axis]));
+        (Domain { dim, range, faces, symmetry, lines }, all)
+    }
+
+    /// Sizes along one axis: small at the touched face, the contact's edge and the inclusions.
+    fn grading(&self, domain: &Domain, axis: usize, boxes: &[InclusionBox]) -> Grading {
+        let size = self.resolution;
+        let mut features = Vec::new();
+        if axis + 1 == domain.dim {
+            features.push([0.0, 0.0, size.edge_mm]);
+        } else {
+            let edge = self.footprint.half_widths()[axis];
+            features.extend([[edge, edge, size.edge_mm], [-edge, -edge, size.edge_mm], [-edge, edge, size.contact_mm]]);
+        }
+        for item in boxes {
+            let [low, high] = item.range[axis];
+            let cells = size.inclusion_divisions * if item.cut[axis] { 1.0 } else { 2.0 };
+            features.push([low, high, (high - low) / cells]);
+            // In a thin gap above a curved surface the stress changes over sqrt(2 R gap), as in lubrication.
+            for across in (0..domain.dim).filter(|&across| across != axis) {
+                for side in 0..2 {
+                    let (gap, reach) = (item.free[across][side], item.extent[across][side].abs());
+                    if !(side == 0 && item.cut[across]) {
+                        let radius = item.extent[axis][1].powi(2) / reach;
+                        features.push([item.center[axis], item.center[axis], 0.6 * (2.0 * radius * gap).sqrt()]);
+                    }
+                }
+            }
+        }
+        Grading { growth: size.growth, coarsest_mm: size.coarsest_mm, features }
+    }
+}

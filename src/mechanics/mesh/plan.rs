@@ -1,0 +1,186 @@
+//! The plan view of three-dimensional meshes: a rectangle of grid lines, and rings of sectors around it.
+//!
+//! The rectangle holds the inclusions' boxes. The first ring leads from it to the circle of contact, the next to the
+//! outline of the phantom, both along rays from the axis; on each ray the outlines lie in this order, so no sector folds.
+
+use super::boxes::MARGIN;
+use super::builder::{Builder, between_planes, cells};
+use super::phantom::Layout;
+use super::{Footprint, Lines, Mesh, MeshError, PhantomMesh, PhantomShape};
+
+/// Half diagonal of the rectangle in the middle over the radius of the circle around it, if nothing asks for more.
+const DIAGONAL: f64 = 0.78;
+
+/// The most it may be: beyond, the corners of the sectors become too thin.
+const MOST_DIAGONAL: f64 = 0.93;
+
+/// Room between the outermost inclusion and the rectangle's edge, in units of the inclusion's distance.
+const ROOM: f64 = 1.01;
+
+/// A closed line around the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Outline {
+    /// A circle by its radius, mm.
+    Circle(f64),
+    /// A rectangle by its half widths, mm.
+    Rectangle([f64; 2]),
+}
+
+impl Outline {
+    /// Distance from the axis along a unit vector.
+    fn distance(self, direction: [f64; 2]) -> f64 {
+        match self {
+            Self::Circle(radius) => radius,
+            Self::Rectangle(half) => (half[0] / direction[0].abs()).min(half[1] / direction[1].abs()),
+        }
+    }
+}
+
+/// The plan view.
+#[derive(Debug, Clone)]
+pub(super) struct Plan {
+    /// Lines of the rectangle in the middle.
+    pub core: [Lines; 2],
+    /// Outlines around it, inner ones first, each with the nodes' places between the one before (0) and it (1).
+    pub rings: Vec<(Outline, Vec<f64>)>,
+    /// Axes along which only the positive half is there.
+    pub symmetry: [bool; 2],
+}
+
+impl Plan {
+    /// Adds the sectors, extruded along `heights`; `regions` has one entry a cell of these.
+    pub fn add_sectors(&self, builder: &mut Builder, heights: &Lines, regions: &[u32]) -> Result<(), MeshError> {
+        let z = heights.nodes();
+        for axis in 0..2 {
+            let along = self.core[1 - axis].nodes();
+            for (side, symmetric) in [(-1.0, self.symmetry[axis]), (1.0, false)] {
+                let edge = self.core[axis].0.last().copied().unwrap_or(0.0) * side;
+                let mut inner: Option<Outline> = None;
+                for (outer, places) in self.rings.iter().filter(|_| !symmetric) {
+                    let node = |index: [usize; 3]| {
+                        let mut at = [edge; 2];
+                        at[1 - axis] = along[index[0]];
+                        let length = at[0].hypot(at[1]);
+                        let direction = at.map(|x| x / length);
+                        let from = inner.map_or(length, |outline| outline.distance(direction));
+                        let distance = from * (1.0 - places[index[1]]) + outer.distance(direction) * places[index[1]];
+                        [distance * direction[0], distance * direction[1], z[index[2]]]
+                    };
+                    let counts = [along.len() / 2, places.len() / 2, heights.cells()];
+                    builder.expect_elements(counts.iter().fold(1, |all: usize, &n| all.saturating_mul(n)))?;
+                    for cell in cells(counts) {
+                        let region = regions.get(cell[2]).copied().unwrap_or(0);
+                        builder.add(region, |local| node([0, 1, 2].map(|i| 2 * cell[i] + local[i])));
+                    }
+                    inner = Some(*outer);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl PhantomMesh {
+    /// The mesh of hexahedra in (x, y, z).
+    ///
+    /// In a round contact whose circle cannot go around the inclusions the mesh does not carry the contact's edge.
+    ///
+    /// # Errors
+    /// As [`Self::build_2d`]; inclusions or a rectangular footprint too far out in a cylinder.
+    pub fn build_3d(&self) -> Result<Mesh, MeshError> {
+        let (layout, plan) = self.plan()?;
+        let mut builder = Builder::new(3);
+        self.fill(&mut builder, &layout)?;
+        plan.add_sectors(&mut builder, &layout.axes[2], &[])?;
+        builder.finish(between_planes(3, 0.0, self.shape.height_mm(), self.symmetry))
+    }
+
+    /// The plan view within the contact, for a sensor that shares its nodes.
+    pub(super) fn contact_plan(&self) -> Result<Plan, MeshError> {
+        let mut plan = self.plan()?.1;
+        let half = self.footprint.half_widths();
+        let carried = match self.footprint {
+            Footprint::Round { radius_mm } => {
+                plan.rings.truncate(1);
+                plan.rings.first().is_some_and(|ring| ring.0 == Outline::Circle(radius_mm))
+            }
+            Footprint::Rectangle { .. } => {
+                plan.rings.clear();
+                for (lines, half) in plan.core.iter_mut().zip(half) {
+                    *lines = lines.between(-half, half);
+                }
+                (0..2).all(|axis| plan.core[axis].0.last() == Some(&half[axis]))
+            }
+        };
+        if carried { Ok(plan) } else { Err(MeshError::NoSharedEdge { edge_mm: half[0] }) }
+    }
+
+    /// Grid, boxes and rings.
+    fn plan(&self) -> Result<(Layout, Plan), MeshError> {
+        let (core, outlines) = self.outlines()?;
+        let layout = self.layout(3, core)?;
+        let last = self.shape.half_widths()[0];
+        let mut radii = vec![core[0]];
+        radii.extend(outlines.iter().map(|outline| match *outline {
+            Outline::Circle(radius) => radius,
+            Outline::Rectangle(_) => last,
+        }));
+        let lines = layout.radial.lines(&radii, self.resolution.subdivision)?;
+        let places = |from: f64, to: f64| {
+            let nodes = lines.between(from, to).nodes();
+            nodes.into_iter().map(|x| (x - from) / (to - from)).collect()
+        };
+        let rings =
+            outlines.iter().zip(radii.windows(2)).map(|(outline, pair)| (*outline, places(pair[0], pair[1]))).collect();
+        let axis = |axis: usize| layout.axes.get(axis).cloned().unwrap_or(Lines(Vec::new()));
+        let plan = Plan { core: [axis(0), axis(1)], rings, symmetry: self.symmetry };
+        Ok((layout, plan))
+    }
+
+    /// Half widths of the rectangle in the middle, and the outlines around it.
+    fn outlines(&self) -> Result<([f64; 2], Vec<Outline>), MeshError> {
+        let (half, foot) = (self.shape.half_widths(), self.footprint.half_widths());
+        let (outer, shape) = match self.shape {
+            PhantomShape::Cylinder { radius_mm, .. } => (Outline::Circle(radius_mm), [1.0, 1.0]),
+            PhantomShape::Block { .. } => (Outline::Rectangle(half), [1.0, half[1] / half[0]]),
+        };
+        // Reach of what must lie in the rectangle, in units of its proportions: bare, and with the O-grids' room.
+        let mut reach = [0.0_f64; 2];
+        for inclusion in &self.inclusions {
+            let extent = inclusion.surface.extent()?;
+            for axis in 0..2 {
+                for end in extent[axis] {
+                    let at = (inclusion.center_mm[axis] + end).abs();
+                    reach[0] = reach[0].max(ROOM * at / shape[axis]);
+                    reach[1] = reach[1].max((at + MARGIN * end.abs()) / shape[axis]);
+                }
+            }
+        }
+        let round = matches!(self.footprint, Footprint::Round { .. });
+        if !round {
+            let edge = foot[0].max(foot[1]);
+            reach = reach.map(|x| x.max(edge));
+        }
+        let diagonal = shape[0].hypot(shape[1]);
+        let core = |radius: f64| {
+            let (least, most) = (DIAGONAL * radius / diagonal, MOST_DIAGONAL * radius / diagonal);
+            let width = reach[1].clamp(least, most);
+            (reach[0] <= most).then_some(shape.map(|share| share * width))
+        };
+        let around = if round && foot[0] < half[0].min(half[1]) { core(foot[0]) } else { None };
+        if let Some(core) = around {
+            return Ok((core, vec![Outline::Circle(foot[0]), outer]));
+        }
+        match outer {
+            Outline::Rectangle(_) => Ok((half, Vec::new())),
+            Outline::Circle(radius) => match core(radius) {
+                Some(core) => Ok((core, vec![outer])),
+                None => {
+                    let what = if round { "an inclusion" } else { "an inclusion or the footprint" };
+                    let limit_mm = MOST_DIAGONAL * radius / diagonal;
+                    Err(MeshError::TooFarOut { what, reach_mm: reach[0], limit_mm })
+                }
+            },
+        }
+    }
+}

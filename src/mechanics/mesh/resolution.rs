@@ -1,0 +1,78 @@
+//! How fine a mesh is.
+
+use super::MeshError;
+use super::error::positive;
+
+/// Sizes of elements; `subdivision` divides all of them, so that 1, 2, 3, ... is a ladder of nested meshes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolution {
+    /// Size at the contact's edge and at the touched face, mm.
+    pub edge_mm: f64,
+    /// Largest size along the touched face within the contact, mm.
+    pub contact_mm: f64,
+    /// Largest size anywhere, mm.
+    pub coarsest_mm: f64,
+    /// Growth of the size per length away from where it is given.
+    pub growth: f64,
+    /// Elements along half a side of an inclusion's box.
+    pub inclusion_divisions: f64,
+    /// Each of the elements above, along each axis.
+    pub subdivision: usize,
+}
+
+impl Resolution {
+    /// For two dimensions: about 2,000 elements for a phantom of 30 x 25 mm.
+    pub const PLANE: Self =
+        Self { edge_mm: 0.3, contact_mm: 1.4, coarsest_mm: 3.0, growth: 0.3, inclusion_divisions: 4.0, subdivision: 2 };
+
+    /// For three dimensions: about 2,000 elements for a quarter of the same phantom.
+    pub const SOLID: Self = Self {
+        edge_mm: 0.9,
+        contact_mm: 2.2,
+        coarsest_mm: 4.5,
+        growth: 0.45,
+        inclusion_divisions: 3.0,
+        subdivision: 1,
+    };
+
+    /// The same mesh with elements of twice the size (or as near as whole numbers come), for an estimate of the error.
+    pub fn halved(self) -> Self {
+        if self.subdivision.is_multiple_of(2) {
+            return Self { subdivision: self.subdivision / 2, ..self };
+        }
+        Self {
+            edge_mm: 2.0 * self.edge_mm,
+            contact_mm: 2.0 * self.contact_mm,
+            coarsest_mm: 2.0 * self.coarsest_mm,
+            growth: 2.0 * self.growth,
+            inclusion_divisions: 0.5 * self.inclusion_divisions,
+            ..self
+        }
+    }
+
+    /// The same mesh with elements of half the size.
+    pub fn doubled(self) -> Self {
+        Self { subdivision: self.subdivision.saturating_mul(2), ..self }
+    }
+
+    /// The same mesh of a body `factor` times as large.
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            edge_mm: factor * self.edge_mm,
+            contact_mm: factor * self.contact_mm,
+            coarsest_mm: factor * self.coarsest_mm,
+            growth: self.growth,
+            ..self
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), MeshError> {
+        positive("the element size at the contact's edge", self.edge_mm)?;
+        positive("the element size in the contact", self.contact_mm)?;
+        positive("the largest element size", self.coarsest_mm)?;
+        positive("the growth of elements", self.growth)?;
+        positive("the divisions of an inclusion", self.inclusion_divisions)?;
+        positive("the subdivision of elements", self.subdivision as f64)?;
+        Ok(())
+    }
+}
