@@ -4,5 +4,6 @@
 //! (z > 0), the sensor below. In two dimensions the axes are (x, z) in plane strain and (r, z) in axisymmetry; z is always
 //! the last one.
 
+pub mod frames;
 pub mod material;
 pub mod mesh;
