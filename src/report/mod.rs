@@ -10,6 +10,7 @@ pub mod relief;
 pub mod side_view;
 mod svg;
 mod ticks;
+pub mod vtu;
 
 pub use false_color::{ColorScale, false_color};
 pub use html::{Item, Report, Section, Table};
