@@ -49,8 +49,8 @@ impl Axes {
     }
 
     fn scale(&self, axis: usize) -> ticks::Ticks {
-        // A tick each 90 pixels across and 60 upward leaves room for the labels.
-        let count = if axis == 0 { self.area[2] / 90.0 } else { self.area[3] / 60.0 };
+        // A tick each 64 pixels across and 50 upward leaves room for the labels.
+        let count = if axis == 0 { self.area[2] / 64.0 } else { self.area[3] / 50.0 };
         ticks::linear(self.low[axis], self.high[axis], (count as usize).max(2))
     }
 
@@ -126,8 +126,11 @@ pub(super) fn color_bar(
     beyond: [bool; 2],
 ) -> Result<(), PictureError> {
     let steps = 256;
-    let rgb: Vec<u8> = (0..steps).rev().flat_map(|i| color(i as f64 / (steps - 1) as f64)).collect();
-    svg.bitmap([x, y, w, h], 1, steps, &rgb)?;
+    // Some columns, because readers that smooth a bitmap blur its edges by one of its pixels.
+    let columns = w.ceil() as usize;
+    let row = |i: usize| color(i as f64 / (steps - 1) as f64).repeat(columns);
+    let rgb: Vec<u8> = (0..steps).rev().flat_map(row).collect();
+    svg.bitmap([x, y, w, h], columns, steps, &rgb)?;
     svg.rect([x, y, w, h], r#"class="tt-hair""#);
     for (is_beyond, base, tip, share) in [(beyond[0], y + h, y + h + 12.0, 0.0), (beyond[1], y, y - 12.0, 1.0)] {
         if is_beyond {

@@ -128,7 +128,7 @@ fn key((i, curve): (usize, &Curve)) -> Key {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::super::svg::assert_well_formed;
+    use super::super::svg::{assert_well_formed, keep_sample};
     use super::*;
 
     fn hertz() -> CurvePlot<'static> {
@@ -158,9 +158,7 @@ mod tests {
         for text in ["pressure (kPa)", "r (mm)", "finite elements", "Hertz", "Contact pressure"] {
             assert!(svg.contains(&format!(">{text}<")), "{text}");
         }
-        if let Ok(folder) = std::env::var("TIRTOUCH_PICTURES") {
-            std::fs::write(std::path::Path::new(&folder).join("curves.svg"), &svg).unwrap();
-        }
+        keep_sample("curves.svg", &svg);
     }
 
     #[test]

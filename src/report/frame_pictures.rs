@@ -4,7 +4,7 @@ use super::axes::{self, Axes, AxisName, CURVE_COLORS, Key, Mark};
 use super::curves::{CurveStyle, draw_curve};
 use super::false_color;
 use super::raster::PictureError;
-use super::svg::{Anchor, Svg};
+use super::svg::{Anchor, Svg, text_width};
 use super::ticks;
 use crate::mechanics::frames::{Features, Frame, Frames};
 
@@ -13,6 +13,10 @@ const IMAGE: [f64; 2] = [480.0, 420.0];
 const PLOT: [f64; 2] = [560.0, 340.0];
 /// Pixels of the bitmap: a little more than a screen shows.
 const BITMAP: [usize; 2] = [640, 560];
+/// A frame of more places than this is a line: its dots would touch.
+const MOST_DOTS: usize = 90;
+/// Distance of two lines of text, pixels.
+const LINE_PX: f64 = 17.0;
 const PLACE: AxisName = AxisName { quantity: "place along the indenter", unit: "mm" };
 const PRESSURE: AxisName = AxisName { quantity: "pressure", unit: "kPa" };
 
@@ -39,7 +43,10 @@ pub fn frames_image(title: &str, frames: &Frames, mark_inclusion: bool) -> Resul
         low: [places.first().copied().unwrap_or(0.0), low],
         high: [places.last().copied().unwrap_or(1.0), high],
     };
-    let subtitle = format!("{} frames of {} places · highest {} kPa", all.len(), places.len(), ticks::short(most));
+    let mut subtitle = format!("{} frames of {} places · highest {} kPa", all.len(), places.len(), ticks::short(most));
+    if mark_inclusion {
+        subtitle.push_str(" · dotted: middle of the inclusion");
+    }
     let mut svg = Svg::new(86.0 + IMAGE[0] + 120.0, 76.0 + IMAGE[1] + 60.0, title, &subtitle);
     let rgb = stripes(all, &axes, &bounds, [least, most]);
     svg.bitmap(axes.area, BITMAP[0], BITMAP[1], &rgb)?;
@@ -133,7 +140,8 @@ pub fn frame_picture(picture: &FramePicture) -> Result<String, PictureError> {
         // Room above the peak for its label.
         high: [frame.x_mm.last().copied().unwrap_or(1.0), top + 0.16 * (top - bottom)],
     };
-    let keys = keys(features);
+    let style = if frame.x_mm.len() <= MOST_DOTS { CurveStyle::Points } else { CurveStyle::Line };
+    let keys = keys(features, style);
     let legend_top = 76.0 + PLOT[1] + 68.0;
     let size = [86.0 + PLOT[0] + 110.0, legend_top + axes::legend_height(&keys, PLOT[0] + 80.0)];
     let mut svg = Svg::new(size[0], size[1], title, &subtitle(features));
@@ -141,7 +149,6 @@ pub fn frame_picture(picture: &FramePicture) -> Result<String, PictureError> {
     svg.clip(axes.area);
     shade(&mut svg, &axes, &curves);
     draw_curve(&mut svg, &axes.polyline(&curves[1]), CurveStyle::Dashed, CURVE_COLORS[5]);
-    let style = if frame.x_mm.len() <= 90 { CurveStyle::Points } else { CurveStyle::Line };
     draw_curve(&mut svg, &axes.polyline(&curves[0]), style, CURVE_COLORS[0]);
     parabola(&mut svg, &axes, features);
     svg.end_clip();
@@ -157,25 +164,32 @@ fn curve(frame: &Frame) -> Vec<[f64; 2]> {
 
 fn subtitle(features: &Features) -> String {
     let position = format!("indenter at {} mm", ticks::short(features.position_mm));
-    match features.eccentricity.value() {
-        Some(e) => format!("{position} · eccentricity {}", ticks::number(e, 3)),
-        None => position,
+    let mut parts = vec![position];
+    if let Some(fit) = features.parabola {
+        let [from, to] = fit.window_mm.map(ticks::short);
+        parts.push(format!("fit over {from} to {to} mm"));
     }
+    if let Some(e) = features.eccentricity.value() {
+        parts.push(format!("eccentricity {}", ticks::number(e, 3)));
+    }
+    parts.join(" · ")
 }
 
 const LEFT_FILL: &str = r##"fill="#aa4499" fill-opacity="0.22""##;
 const RIGHT_FILL: &str = r##"fill="#b07d00" fill-opacity="0.26""##;
 
-fn keys(features: &Features) -> Vec<Key> {
+fn keys(features: &Features, style: CurveStyle) -> Vec<Key> {
     let key = |mark, text: &str| Key { mark, text: text.to_owned() };
     let line = |color: &str, more: &str| Mark::Line(format!(r#"stroke="{color}" stroke-width="2" {more}"#));
-    let mut keys = vec![key(line(CURVE_COLORS[0], ""), "frame")];
+    let dot = format!(r#"stroke="{}" stroke-width="5" stroke-linecap="round""#, CURVE_COLORS[0]);
+    let frame = if style == CurveStyle::Points { Mark::Dot(dot) } else { line(CURVE_COLORS[0], "") };
+    let mut keys = vec![key(frame, "frame")];
     if features.parabola.is_some() {
         keys.push(key(line(CURVE_COLORS[1], ""), "fitted parabola"));
     }
     keys.push(key(line(CURVE_COLORS[5], r#"stroke-dasharray="7 4""#), "reference"));
-    keys.push(key(Mark::Box(LEFT_FILL.to_owned()), "difference, left"));
-    keys.push(key(Mark::Box(RIGHT_FILL.to_owned()), "difference, right"));
+    keys.push(key(Mark::Box(LEFT_FILL.to_owned()), "difference left"));
+    keys.push(key(Mark::Box(RIGHT_FILL.to_owned()), "right"));
     keys
 }
 
@@ -207,28 +221,35 @@ fn parabola(svg: &mut Svg, axes: &Axes, features: &Features) {
     draw_curve(svg, &axes.polyline(&points), CurveStyle::Line, CURVE_COLORS[1]);
 }
 
-/// Peak, base and width with their values.
+/// Peak, base and width with their values: peak and base in the margin, where no curve is.
 fn marks(svg: &mut Svg, axes: &Axes, features: &Features) {
     let ink = r#"class="tt-line" stroke-width="1.3""#;
+    let dashed = r#"class="tt-line" stroke-width="1.3" stroke-dasharray="3 4""#;
     let figure = |name: &str, value: f64, unit: &str| format!("{name} {} {unit}", ticks::short(value));
     let [left, _, width, _] = axes.area;
-    if let Some(base) = features.base_kpa.value() {
+    let base = features.base_kpa.value();
+    if let Some(base) = base {
         let y = axes.at([0.0, base])[1];
-        svg.line([left, y], [left + width, y], r#"class="tt-line" stroke-width="1.3" stroke-dasharray="3 4""#);
+        svg.line([left, y], [left + width, y], dashed);
         svg.text([left + width + 8.0, y + 4.5], Anchor::Start, "tt-ink", &figure("base", base, "kPa"));
     }
     let (Some(peak), Some(center)) = (features.peak_kpa.value(), features.center_mm.value()) else { return };
     let [x, y] = axes.at([center, peak]);
-    svg.line([x, y], [x, y], r##"stroke="#d55e00" stroke-width="9" stroke-linecap="round""##);
-    svg.text([x, y - 14.0], Anchor::Middle, "tt-ink", &figure("peak", peak, "kPa"));
-    let (Some(base), Some(fwhm)) = (features.base_kpa.value(), features.fwhm_mm.value()) else { return };
+    svg.line([x, y], [left + width, y], dashed);
+    svg.line([x, y], [x, y], &format!(r#"stroke="{}" stroke-width="9" stroke-linecap="round""#, CURVE_COLORS[1]));
+    let lowest = base.map_or(f64::INFINITY, |base| axes.at([0.0, base])[1] - LINE_PX);
+    svg.text([left + width + 8.0, y.min(lowest) + 4.5], Anchor::Start, "tt-ink", &figure("peak", peak, "kPa"));
+    let (Some(base), Some(fwhm)) = (base, features.fwhm_mm.value()) else { return };
     let level = 0.5 * (base + peak);
     let (from, to) = (axes.at([center - 0.5 * fwhm, level]), axes.at([center + 0.5 * fwhm, level]));
     svg.line(from, to, ink);
     for ([x, y], inward) in [(from, 1.0), (to, -1.0)] {
         svg.path(&[[x + 9.0 * inward, y - 5.0], [x, y], [x + 9.0 * inward, y + 5.0]], false, ink);
     }
-    svg.text([0.5 * (from[0] + to[0]), from[1] - 8.0], Anchor::Middle, "tt-ink", &figure("FWHM", fwhm, "mm"));
+    let (middle, text) = (0.5 * (from[0] + to[0]), figure("FWHM", fwhm, "mm"));
+    let wide = text_width(&text);
+    svg.rect([middle - 0.5 * wide, from[1] - 22.0, wide, 18.0], r#"rx="4" class="tt-page" fill-opacity="0.8""#);
+    svg.text([middle, from[1] - 8.0], Anchor::Middle, "tt-ink", &text);
 }
 
 #[cfg(test)]

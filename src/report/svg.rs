@@ -181,6 +181,15 @@ pub(super) fn text_width(text: &str) -> f64 {
     7.2 * text.chars().count() as f64
 }
 
+/// Keeps a file that a test made where `TIRTOUCH_SAMPLES` names a folder: to be looked at, or read by other programs.
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+pub(super) fn keep_sample(name: &str, bytes: impl AsRef<[u8]>) {
+    if let Ok(folder) = std::env::var("TIRTOUCH_SAMPLES") {
+        std::fs::write(std::path::Path::new(&folder).join(name), bytes).unwrap();
+    }
+}
+
 /// Checks for tests: every element closes, so that the file is XML.
 #[cfg(test)]
 #[allow(clippy::panic)]

@@ -1,4 +1,4 @@
-use super::super::svg::assert_well_formed;
+use super::super::svg::{assert_well_formed, keep_sample};
 use super::*;
 use crate::mechanics::frames::{Reference, Settings, features};
 
@@ -22,12 +22,6 @@ fn scan(lump: f64) -> Frames {
     Frames::new((-20..=20).map(frame).collect()).unwrap()
 }
 
-fn keep(name: &str, svg: &str) {
-    if let Ok(folder) = std::env::var("TIRTOUCH_PICTURES") {
-        std::fs::write(std::path::Path::new(&folder).join(name), svg).unwrap();
-    }
-}
-
 #[test]
 fn the_image_has_a_stripe_for_each_frame_and_units() {
     let svg = frames_image("Pressure frames", &scan(1.0), true).unwrap();
@@ -35,7 +29,7 @@ fn the_image_has_a_stripe_for_each_frame_and_units() {
     for text in ["pressure (kPa)", "place along the indenter (mm)", "position of the indenter (mm)"] {
         assert!(svg.contains(&format!(">{text}<")), "{text}");
     }
-    keep("frames.svg", &svg);
+    keep_sample("frames.svg", &svg);
     assert_eq!(stripe_bounds(&scan(1.0).as_slice()[..3]), [-20.5, -19.5, -18.5, -17.5]);
     assert_eq!(stripe_bounds(&scan(1.0).as_slice()[..1]), [-20.5, -19.5]);
 }
@@ -65,7 +59,7 @@ fn one_frame_shows_what_was_read_off_it() {
     for text in [">peak ", ">base ", ">FWHM ", "eccentricity 0.", ">fitted parabola<"] {
         assert!(svg.contains(text), "{text}");
     }
-    keep("frame.svg", &svg);
+    keep_sample("frame.svg", &svg);
 }
 
 #[test]

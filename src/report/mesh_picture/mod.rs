@@ -174,7 +174,7 @@ struct Colors {
 }
 
 /// Steps of colour: more than an eye separates side by side, few enough for a small bitmap.
-const STEPS: f64 = 96.0;
+const STEPS: f64 = 160.0;
 
 impl Colors {
     fn choose(picture: &MeshPicture, shapes: &[Shape]) -> Result<Self, PictureError> {

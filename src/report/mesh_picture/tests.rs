@@ -1,4 +1,4 @@
-use super::super::svg::assert_well_formed;
+use super::super::svg::{assert_well_formed, keep_sample};
 use super::*;
 
 /// A grid of quadratic elements over [0, width] x [bottom, bottom + height], bent by `bend`, with regions by its middle.
@@ -66,12 +66,6 @@ fn picture<'a>(bodies: Vec<MeshBody<'a>>) -> MeshPicture<'a> {
     }
 }
 
-fn keep(name: &str, svg: &str) {
-    if let Ok(folder) = std::env::var("TIRTOUCH_PICTURES") {
-        std::fs::write(std::path::Path::new(&folder).join(name), svg).unwrap();
-    }
-}
-
 #[test]
 fn two_bodies_are_drawn_whole_with_axes_and_units_in_a_small_file() {
     let (upper, lower) = (phantom(), sensor());
@@ -86,14 +80,14 @@ fn two_bodies_are_drawn_whole_with_axes_and_units_in_a_small_file() {
     }
     // 1,584 elements, 3,300 edges twice at about 20 bytes, and a bitmap.
     assert!(svg.len() < 450_000, "{}", svg.len());
-    keep("mesh.svg", &svg);
+    keep_sample("mesh.svg", &svg);
     whole.view_mm = Some([[-8.0, 8.0], [-6.0, 8.0]]);
-    keep("mesh-zoom.svg", &mesh_picture(&whole).unwrap());
+    keep_sample("mesh-zoom.svg", &mesh_picture(&whole).unwrap());
     let signed: Vec<f64> = p_up.iter().map(|p| p - 1.0).collect();
     let cells: Vec<f64> = signed.iter().take(upper.element_count()).copied().collect();
     whole = picture(vec![body(&upper, &[], &signed)]);
     whole.mirrored = false;
-    keep("mesh-signed.svg", &mesh_picture(&whole).unwrap());
+    keep_sample("mesh-signed.svg", &mesh_picture(&whole).unwrap());
     whole.bodies[0].values = MeshValues::Cell(&cells);
     assert_well_formed(&mesh_picture(&whole).unwrap());
 }
