@@ -101,7 +101,7 @@ pub(super) fn widened(low: f64, high: f64) -> [f64; 2] {
 
 /// The first number that cannot be drawn, as an error. Beyond 1e300 the layout's arithmetic would overflow.
 pub(super) fn check(what: &'static str, numbers: impl IntoIterator<Item = f64>) -> Result<(), PictureError> {
-    match numbers.into_iter().find(|v| !(v.abs() <= 1e300)) {
+    match numbers.into_iter().find(|v| v.is_nan() || v.abs() > 1e300) {
         Some(value) => Err(PictureError::Number { what, value, allowed: "finite" }),
         None => Ok(()),
     }

@@ -247,7 +247,7 @@ fn marks(svg: &mut Svg, axes: &Axes, features: &Features) {
         svg.path(&[[x + 9.0 * inward, y - 5.0], [x, y], [x + 9.0 * inward, y + 5.0]], false, ink);
     }
     let (middle, text) = (0.5 * (from[0] + to[0]), figure("FWHM", fwhm, "mm"));
-    let wide = text_width(&text);
+    let wide = text_width(&text) + 12.0;
     svg.rect([middle - 0.5 * wide, from[1] - 22.0, wide, 18.0], r#"rx="4" class="tt-page" fill-opacity="0.8""#);
     svg.text([middle, from[1] - 8.0], Anchor::Middle, "tt-ink", &text);
 }

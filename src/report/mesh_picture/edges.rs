@@ -112,8 +112,8 @@ fn ordered(edges: &[Edge]) -> Vec<[u32; 3]> {
             let [a, m, b] = edges[i].nodes;
             let turned = if a == from { [a, m, b] } else { [b, m, a] };
             order.push(turned);
-            let ahead = at_node.get(&turned[2]).into_iter().flatten().copied();
-            next = ahead.filter(|&i| is_left[i]).last().map(|i| (i, turned[2]));
+            let ahead = at_node.get(&turned[2]).map_or(&[][..], Vec::as_slice);
+            next = ahead.iter().rfind(|&&i| is_left[i]).map(|&i| (i, turned[2]));
         }
     }
     order

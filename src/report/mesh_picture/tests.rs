@@ -82,12 +82,12 @@ fn two_bodies_are_drawn_whole_with_axes_and_units_in_a_small_file() {
     assert!(svg.len() < 450_000, "{}", svg.len());
     keep_sample("mesh.svg", &svg);
     whole.view_mm = Some([[-8.0, 8.0], [-6.0, 8.0]]);
-    keep_sample("mesh-zoom.svg", &mesh_picture(&whole).unwrap());
+    keep_sample("mesh-zoom.svg", mesh_picture(&whole).unwrap());
     let signed: Vec<f64> = p_up.iter().map(|p| p - 1.0).collect();
     let cells: Vec<f64> = signed.iter().take(upper.element_count()).copied().collect();
     whole = picture(vec![body(&upper, &[], &signed)]);
     whole.mirrored = false;
-    keep_sample("mesh-signed.svg", &mesh_picture(&whole).unwrap());
+    keep_sample("mesh-signed.svg", mesh_picture(&whole).unwrap());
     whole.bodies[0].values = MeshValues::Cell(&cells);
     assert_well_formed(&mesh_picture(&whole).unwrap());
 }
