@@ -6,6 +6,7 @@
 
 pub mod contact;
 pub mod element;
+pub mod frames;
 pub mod kinematics;
 pub mod material;
 pub mod mesh;

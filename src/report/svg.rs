@@ -3,8 +3,8 @@
 use super::raster::PictureError;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
 use maud::Render;
 
 /// Colours by role, so that a picture follows a reader's dark page. `tt` keeps the names from meeting others' where a
@@ -31,7 +31,7 @@ pub(super) struct Svg {
 }
 
 /// A coordinate to a hundredth of a pixel, without trailing zeros.
-fn coordinate(x: f64) -> String {
+pub(super) fn coordinate(x: f64) -> String {
     let text = format!("{x:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
@@ -83,6 +83,22 @@ impl Svg {
         self.push(&format!(r#"<path d="{d}" {attributes}/>"#));
     }
 
+    /// A path from its SVG commands, with SVG attributes.
+    pub fn commands(&mut self, d: &str, attributes: &str) {
+        self.push(&format!(r#"<path d="{d}" {attributes}/>"#));
+    }
+
+    /// Opens a part that is cut off at a rectangle x, y, width, height; close it with [`Svg::end_clip`].
+    pub fn clip(&mut self, rectangle: [f64; 4]) {
+        let [x, y, w, h] = rectangle.map(coordinate);
+        self.push(&format!(r#"<svg x="{x}" y="{y}" width="{w}" height="{h}" viewBox="{x} {y} {w} {h}">"#));
+    }
+
+    /// Closes a part that is cut off.
+    pub fn end_clip(&mut self) {
+        self.push("</svg>");
+    }
+
     /// Opens a group with SVG attributes; close it with [`Svg::end_group`].
     pub fn group(&mut self, attributes: &str) {
         self.push(&format!("<g {attributes}>"));
@@ -124,16 +140,25 @@ impl Svg {
     }
 
     /// An RGB bitmap stretched over a rectangle x, y, width, height; large pixels keep their edges.
-    pub fn bitmap(
+    pub fn bitmap(&mut self, place: [f64; 4], columns: usize, rows: usize, rgb: &[u8]) -> Result<(), PictureError> {
+        self.bitmap_of(place, [columns, rows], rgb, ExtendedColorType::Rgb8)
+    }
+
+    /// An RGBA bitmap stretched over a rectangle x, y, width, height.
+    pub fn bitmap_rgba(&mut self, place: [f64; 4], size: [usize; 2], rgba: &[u8]) -> Result<(), PictureError> {
+        self.bitmap_of(place, size, rgba, ExtendedColorType::Rgba8)
+    }
+
+    fn bitmap_of(
         &mut self,
         [x, y, w, h]: [f64; 4],
-        columns: usize,
-        rows: usize,
-        rgb: &[u8],
+        [columns, rows]: [usize; 2],
+        pixels: &[u8],
+        kind: ExtendedColorType,
     ) -> Result<(), PictureError> {
         let mut png = Vec::new();
         PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::Adaptive)
-            .write_image(rgb, columns as u32, rows as u32, image::ExtendedColorType::Rgb8)
+            .write_image(pixels, columns as u32, rows as u32, kind)
             .map_err(|e| PictureError::Bitmap(e.to_string()))?;
         let data = STANDARD.encode(png);
         let rendering = if w >= 3.0 * columns as f64 { r#" style="image-rendering:pixelated""# } else { "" };
@@ -154,6 +179,15 @@ impl Svg {
 /// Width of a text in pixels at 13 px, for layout: a sans-serif letter is about 0.55 of the size wide.
 pub(super) fn text_width(text: &str) -> f64 {
     7.2 * text.chars().count() as f64
+}
+
+/// Keeps a file that a test made where `TIRTOUCH_SAMPLES` names a folder: to be looked at, or read by other programs.
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+pub(super) fn keep_sample(name: &str, bytes: impl AsRef<[u8]>) {
+    if let Ok(folder) = std::env::var("TIRTOUCH_SAMPLES") {
+        std::fs::write(std::path::Path::new(&folder).join(name), bytes).unwrap();
+    }
 }
 
 /// Checks for tests: every element closes, so that the file is XML.
