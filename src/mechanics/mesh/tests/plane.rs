@@ -173,3 +173,22 @@ fn impossible_inclusions_are_named_with_their_numbers() {
     let fine = PhantomMesh { resolution, ..phantom(vec![]) };
     assert!(matches!(fine.build_2d(), Err(MeshError::TooMany { .. })));
 }
+
+#[test]
+fn boundaries_lie_where_their_names_say() {
+    let mesh = phantom(vec![sphere(8.0, 5.0)]).build_2d().unwrap();
+    assert_eq!(mesh.bounding_box(), [[0.0; 3], [30.0, 25.0, 0.0]]);
+    let cases = [
+        (Boundary::Touched, 1, 0.0),
+        (Boundary::Base, 1, 25.0),
+        (Boundary::SymmetryX, 0, 0.0),
+        (Boundary::Side, 0, 30.0),
+    ];
+    for (boundary, axis, at) in cases {
+        let nodes = mesh.boundary_nodes(boundary);
+        let there = mesh.nodes.iter().filter(|node| node[axis] == at).count();
+        assert_eq!(nodes.len(), there);
+        assert!(nodes.iter().all(|&n| mesh.nodes[n as usize][axis] == at));
+        assert_eq!(nodes.len(), 2 * mesh.boundary_facets(boundary).len() + 1);
+    }
+}
