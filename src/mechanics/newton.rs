@@ -1,6 +1,6 @@
 //! Newton's method over displacement, pressure and contact traction.
 
-use super::contact::{Grip, NodeGap, SPRING};
+use super::contact::{Coupling, Grip, NodeGap, Positions, SPRING};
 use super::problem::{Problem, State, Traction};
 use super::solid::{ElementSystem, element_system};
 use super::sparse::{SparseCholesky, SparseError};
@@ -82,6 +82,13 @@ impl Balance {
     }
 }
 
+/// A contact in a state.
+struct Touching {
+    nodes: Vec<Touch>,
+    /// Stiffness from the bending of the gaps under pressure.
+    stiffness: Vec<Coupling>,
+}
+
 /// What a touched node does in a state.
 struct Touch {
     gap: NodeGap,
@@ -131,7 +138,7 @@ impl<'a> Solver<'a> {
             let (systems, balance) = self.evaluate(&state, &touches)?;
             last = balance;
             if std::env::var_os("TT_TRACE").is_some() {
-                eprintln!("  load {load:.4} {balance:?} active {}", touches.iter().flatten().filter(|t| t.spring[0] > 0.0).count());
+                eprintln!("  load {load:.4} {balance:?} active {}", touches.iter().flat_map(|t| &t.nodes).filter(|t| t.spring[0] > 0.0).count());
             }
             let off = balance.force + balance.volume;
             if balance.holds(if iteration > 0 && off > 0.5 * best { ROUNDING } else { FORCE_TOLERANCE }) {
@@ -168,25 +175,23 @@ impl<'a> Solver<'a> {
         element_system(self.problem.kinematics, &nodes, &displacement, pressure, material, tangent)
     }
 
-    fn touches(&self, state: &State, before: &[[f64; 3]]) -> Vec<Vec<Touch>> {
-        let x = self.problem.positions(state);
-        let reference = &self.problem.mesh.nodes;
-        self.problem
-            .contacts
-            .iter()
-            .zip(&state.traction)
+    fn touches(&self, state: &State, before: &[[f64; 3]]) -> Vec<Touching> {
+        let now = self.problem.positions(state);
+        let at = Positions { reference: &self.problem.mesh.nodes, before, now: &now };
+        let contacts = self.problem.contacts.iter().zip(&state.traction);
+        contacts
             .map(|(contact, traction)| {
-                let gaps = contact.gaps(&x, before, reference);
-                gaps.into_iter()
-                    .zip(traction.iter().zip(&contact.spring))
-                    .map(|(gap, (&now, &spring))| touch(contact.grip, gap, now, spring))
-                    .collect()
+                let pressure: Vec<f64> = traction.iter().map(|t| t.normal).collect();
+                let (gaps, stiffness) = contact.gaps(at, &pressure);
+                let held = traction.iter().zip(&contact.spring);
+                let touch = |(gap, (&now, &spring))| touch(contact.grip, gap, now, spring);
+                Touching { nodes: gaps.into_iter().zip(held).map(touch).collect(), stiffness }
             })
             .collect()
     }
 
     /// All elements with their tangents, and how far the state is from balance.
-    fn evaluate(&mut self, state: &State, touches: &[Vec<Touch>]) -> Result<(Vec<ElementSystem>, Balance), StepError> {
+    fn evaluate(&mut self, state: &State, touches: &[Touching]) -> Result<(Vec<ElementSystem>, Balance), StepError> {
         self.prepare(touches)?;
         let problem = self.problem;
         let dim = problem.kinematics.dim();
@@ -222,7 +227,7 @@ impl<'a> Solver<'a> {
         }
         let mut gap: f64 = 0.0;
         let mut settled = true;
-        for touch in touches.iter().flatten() {
+        for touch in touches.iter().flat_map(|t| &t.nodes) {
             gap = gap.max(touch.defect);
             settled &= touch.settled;
             for &(node, push) in &pushes(touch, &touch.now) {
@@ -247,7 +252,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Makes sure that the pattern holds all pairs that now touch.
-    fn prepare(&mut self, touches: &[Vec<Touch>]) -> Result<(), SparseError> {
+    fn prepare(&mut self, touches: &[Touching]) -> Result<(), SparseError> {
         let dim = self.problem.kinematics.dim();
         let numbers = |nodes: &[u32]| -> Vec<u32> {
             let all = nodes.iter().flat_map(|&a| (0..dim).map(move |c| a as usize * dim + c));
@@ -255,7 +260,7 @@ impl<'a> Solver<'a> {
         };
         let groups: Vec<Vec<u32>> = touches
             .iter()
-            .flatten()
+            .flat_map(|t| &t.nodes)
             .map(|touch| numbers(&touch.gap.moved.iter().map(|entry| entry.0).collect::<Vec<_>>()))
             .collect();
         let known = self.matrix.as_ref().is_some_and(|matrix| {
@@ -291,7 +296,7 @@ impl<'a> Solver<'a> {
         }
     }
 
-    fn add_contacts(&self, matrix: &mut SparseCholesky, touches: &[Vec<Touch>]) {
+    fn add_contacts(&self, matrix: &mut SparseCholesky, touches: &[Touching]) {
         let dim = self.problem.kinematics.dim();
         let mut add = |row: u32, i: usize, column: u32, j: usize, value: f64| {
             let (row, column) = (self.equation[row as usize * dim + i], self.equation[column as usize * dim + j]);
@@ -301,7 +306,7 @@ impl<'a> Solver<'a> {
                 matrix.values[place] += value;
             }
         };
-        for touch in touches.iter().flatten().filter(|touch| touch.spring != [0.0; 2]) {
+        for touch in touches.iter().flat_map(|t| &t.nodes).filter(|touch| touch.spring != [0.0; 2]) {
             let projector = tangential(&touch.gap, touch.spring[0] > 0.0);
             let [normal, along] = touch.spring.map(|spring| spring / touch.gap.area);
             for (a, m, n) in &touch.gap.moved {
@@ -314,18 +319,18 @@ impl<'a> Solver<'a> {
                     }
                 }
             }
-            for (a, b, hessian) in &touch.gap.curvature {
-                for i in 0..dim {
-                    for j in 0..dim {
-                        add(*a, i, *b, j, -touch.now.normal * hessian[i][j]);
-                    }
+        }
+        for (a, b, stiffness) in touches.iter().flat_map(|t| &t.stiffness) {
+            for i in 0..dim {
+                for j in 0..dim {
+                    add(*a, i, *b, j, stiffness[i][j]);
                 }
             }
         }
     }
 
     /// Newton's step of the displacements.
-    fn solve(&mut self, state: &State, systems: &[ElementSystem], touches: &[Vec<Touch>]) -> Result<Vec<f64>, StepError> {
+    fn solve(&mut self, state: &State, systems: &[ElementSystem], touches: &[Touching]) -> Result<Vec<f64>, StepError> {
         let problem = self.problem;
         let dim = problem.kinematics.dim();
         let mut right = vec![0.0; self.prescribed.len()];
@@ -347,7 +352,7 @@ impl<'a> Solver<'a> {
         for &(node, force) in &problem.forces {
             (0..dim).for_each(|c| right[node as usize * dim + c] += state.load * force[c]);
         }
-        for touch in touches.iter().flatten() {
+        for touch in touches.iter().flat_map(|t| &t.nodes) {
             for (node, push) in pushes(touch, &touch.trial) {
                 (0..dim).for_each(|c| right[node as usize * dim + c] += push[c]);
             }
@@ -380,7 +385,7 @@ impl<'a> Solver<'a> {
         &self,
         state: &State,
         systems: &[ElementSystem],
-        touches: &[Vec<Touch>],
+        touches: &[Touching],
         change: &[f64],
     ) -> Result<State, StepError> {
         let mut share = 1.0;
@@ -399,7 +404,7 @@ impl<'a> Solver<'a> {
         &self,
         state: &State,
         systems: &[ElementSystem],
-        touches: &[Vec<Touch>],
+        touches: &[Touching],
         change: &[f64],
         share: f64,
     ) -> State {
@@ -416,8 +421,8 @@ impl<'a> Solver<'a> {
                 next.pressure[e * (dim + 1) + p] += share * (system.pressure_defect[p] + moved);
             }
         }
-        for (list, touches) in next.traction.iter_mut().zip(touches) {
-            for (traction, touch) in list.iter_mut().zip(touches) {
+        for (list, touching) in next.traction.iter_mut().zip(touches) {
+            for (traction, touch) in list.iter_mut().zip(&touching.nodes) {
                 let target = touch.stepped(change, dim);
                 traction.normal = touch.now.normal + share * (target.normal - touch.now.normal);
                 for i in 0..3 {
@@ -492,15 +497,16 @@ fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64) -> Touch {
         return Touch { gap, now, trial, spring: [spring, 0.0], defect: mean.abs(), settled };
     };
     let bound = friction * now.normal.max(0.0);
-    let pull = length(pulled);
+    let soft = [0, 1, 2].map(|i| now.vector[i] - spring / SPRING * offset[i]);
+    let pull = length(soft);
     if pull <= bound {
         let trial = Traction { normal: pressed, vector: pulled };
         let defect = mean.abs().max(length(offset));
         return Touch { gap, now, trial, spring: [spring, spring], defect, settled };
     }
-    let slipping = if pull > 0.0 { pulled.map(|c| c * bound / pull) } else { [0.0; 3] };
+    let slipping = if pull > 0.0 { soft.map(|c| c * bound / pull) } else { [0.0; 3] };
     let lag = length([0, 1, 2].map(|i| slipping[i] - now.vector[i]));
-    let settled = settled && lag <= 1e-7 * bound.max(f64::MIN_POSITIVE);
+    let settled = settled && lag <= 1e-6 * bound.max(f64::MIN_POSITIVE);
     let now = Traction { normal: now.normal, vector: slipping };
     let trial = Traction { normal: pressed, vector: slipping };
     Touch { gap, now, trial, spring: [spring, 0.0], defect: mean.abs(), settled }

@@ -54,7 +54,7 @@ pub fn solve(problem: &Problem, steps: usize, mean_radius: f64) -> (f64, f64) {
     let state = match super::path::follow(&mut solver, problem.start(), &loads, &mut |_| true, &mut |_| ()) { Ok(s) => s, Err(e) => { println!("FAILED {e} iterations {}", solver.iterations); return (0.0, 0.0); } };
     let contact = &problem.contacts[0];
     let x = problem.positions(&state);
-    let gaps = contact.gaps(&x, &x, &problem.mesh.nodes);
+    let (gaps, _) = contact.gaps(Positions { reference: &problem.mesh.nodes, before: &x, now: &x }, &vec![0.0; contact.nodes.len()]);
     let mut force = 0.0;
     let (mut mean, mut area) = (0.0, 0.0);
     let up = problem.kinematics.dim() - 1;
@@ -109,7 +109,7 @@ fn hertz() {
 
 #[test]
 fn soft_sensor() {
-    for n in [1, 2, 3] {
+    for n in [1, 2] {
     let mut xs = graded(0.0, 15.0, 12 * n, 0.8);
     let inner = xs.clone();
     xs.extend(graded(15.0, 30.0, 6 * n, 1.3).into_iter().skip(1));
