@@ -34,6 +34,10 @@ const VOLUME_TOLERANCE: f64 = 1e-9;
 const GAP_TOLERANCE: f64 = 1e-8;
 /// Newton iterations of one load step.
 const ITERATIONS: usize = 40;
+/// Rounds of friction in a step.
+const FRICTION_ROUNDS: usize = 30;
+/// Largest change of the friction's bound between rounds, as a share of its largest.
+const FRICTION_TOLERANCE: f64 = 1e-5;
 /// Newton iterations without progress before a step is given up.
 const PATIENCE: usize = 6;
 /// Halvings of a Newton step that turns an element inside out.
@@ -56,6 +60,9 @@ pub enum StepError {
         /// Largest gap in contact, mm.
         gap: f64,
     },
+    /// The rounds of friction did not settle.
+    #[error("the friction does not settle")]
+    Friction,
     /// An element turned inside out however short the step.
     #[error("an element turns inside out")]
     InsideOut,
@@ -122,13 +129,41 @@ impl<'a> Solver<'a> {
         Self { problem, equation, equations: equations as usize, prescribed, matrix: None, iterations: 0, symbolic: 0 }
     }
 
-    /// The state at load factor `load`, from one nearby.
+    /// The state at load factor `load`, from one nearby. Friction is found in rounds: each bears what the pressures of
+    /// the last one allow.
     ///
     /// # Errors
     /// [`StepError`] where the step is too long or the structure unstable.
     pub fn step(&mut self, from: &State, load: f64) -> Result<State, StepError> {
+        let mut state = self.round(from, from, load)?;
+        for _ in 0..FRICTION_ROUNDS {
+            if self.renew_friction(&mut state) <= FRICTION_TOLERANCE {
+                return Ok(state);
+            }
+            state = self.round(from, &state, load)?;
+        }
+        Err(StepError::Friction)
+    }
+
+    /// Sets the bounds of friction from the pressures; the largest change as a share of the largest bound.
+    fn renew_friction(&self, state: &mut State) -> f64 {
+        let (mut change, mut largest) = (0.0f64, f64::MIN_POSITIVE);
+        for (contact, list) in self.problem.contacts.iter().zip(&mut state.traction) {
+            let Grip::Coulomb(friction) = contact.grip else { continue };
+            for traction in list {
+                let bound = friction * traction.normal.max(0.0);
+                change = change.max((bound - traction.bound).abs());
+                largest = largest.max(bound);
+                traction.bound = bound;
+            }
+        }
+        change / largest
+    }
+
+    /// Newton's method from the guess `start`, with slip counted from the state `from`.
+    fn round(&mut self, from: &State, start: &State, load: f64) -> Result<State, StepError> {
         let before = self.problem.positions(from);
-        let mut state = from.clone();
+        let mut state = start.clone();
         state.load = load;
         let mut last = Balance { force: f64::INFINITY, volume: 0.0, gap: 0.0, settled: false };
         let first = self.iterations;
@@ -475,40 +510,41 @@ fn tangential(gap: &NodeGap, unilateral: bool) -> [[f64; 3]; 3] {
 fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64) -> Touch {
     if gap.area <= 0.0 {
         let free = Traction::default();
-        return Touch { gap, now: free, trial: free, spring: [0.0; 2], defect: 0.0, settled: now == free };
+        return Touch { gap, now: free, trial: free, spring: [0.0; 2], defect: 0.0, settled: now.normal == 0.0 };
     }
     let offset = gap.offset.map(|o| o / gap.area);
     let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
     let pulled = [0, 1, 2].map(|i| now.vector[i] - spring * offset[i]);
     if grip == Grip::Bonded {
-        let trial = Traction { normal: 0.0, vector: pulled };
+        let trial = Traction { vector: pulled, ..Traction::default() };
         return Touch { gap, now, trial, spring: [0.0, spring], defect: length(offset), settled: true };
     }
     let mean = gap.gap / gap.area;
     let pressed = now.normal - spring * mean;
     // What decides is a spring as stiff as the body: a stiffer one would let go at each curved step.
     if now.normal - spring / SPRING * mean <= 0.0 {
-        let free = Traction::default();
+        let free = Traction { bound: now.bound, ..Traction::default() };
         return Touch { gap, now: free, trial: free, spring: [0.0; 2], defect: 0.0, settled: now.normal <= 0.0 };
     }
     let settled = now.normal > 0.0;
-    let Grip::Coulomb(friction) = grip else {
-        let trial = Traction { normal: pressed, vector: [0.0; 3] };
+    let bound = now.bound;
+    if bound == 0.0 {
+        let now = Traction { normal: now.normal, ..Traction::default() };
+        let trial = Traction { normal: pressed, ..now };
         return Touch { gap, now, trial, spring: [spring, 0.0], defect: mean.abs(), settled };
-    };
-    let bound = friction * now.normal.max(0.0);
+    }
     let soft = [0, 1, 2].map(|i| now.vector[i] - spring / SPRING * offset[i]);
     let pull = length(soft);
     if pull <= bound {
-        let trial = Traction { normal: pressed, vector: pulled };
+        let trial = Traction { normal: pressed, vector: pulled, bound };
         let defect = mean.abs().max(length(offset));
         return Touch { gap, now, trial, spring: [spring, spring], defect, settled };
     }
-    let slipping = if pull > 0.0 { soft.map(|c| c * bound / pull) } else { [0.0; 3] };
+    let slipping = soft.map(|c| c * bound / pull);
     let lag = length([0, 1, 2].map(|i| slipping[i] - now.vector[i]));
-    let settled = settled && lag <= 1e-6 * bound.max(f64::MIN_POSITIVE);
-    let now = Traction { normal: now.normal, vector: slipping };
-    let trial = Traction { normal: pressed, vector: slipping };
+    let settled = settled && lag <= 1e-6 * bound;
+    let now = Traction { normal: now.normal, vector: slipping, bound };
+    let trial = Traction { normal: pressed, ..now };
     Touch { gap, now, trial, spring: [spring, 0.0], defect: mean.abs(), settled }
 }
 
