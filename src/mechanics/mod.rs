@@ -12,6 +12,7 @@ pub mod material;
 pub mod mesh;
 pub mod newton;
 pub mod path;
+pub mod press;
 pub mod problem;
 pub mod solid;
 pub mod sparse;

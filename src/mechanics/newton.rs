@@ -1,8 +1,9 @@
 //! Newton's method over displacement, pressure and contact traction.
 
 use super::contact::{Coupling, Grip, NodeGap, Positions, SPRING};
+use super::material::History;
 use super::problem::{Problem, State, Traction};
-use super::solid::{ElementSystem, element_system};
+use super::solid::{ElementSystem, advance_history, element_system};
 use super::sparse::{SparseCholesky, SparseError};
 use rayon::prelude::*;
 use thiserror::Error;
@@ -16,6 +17,8 @@ pub struct Solver<'a> {
     /// Prescribed displacement of each component at load factor 1.
     prescribed: Vec<f64>,
     matrix: Option<SparseCholesky>,
+    /// Time of the present step, s.
+    seconds: f64,
     /// Newton iterations so far.
     pub iterations: usize,
     /// Symbolic factorisations so far.
@@ -126,7 +129,7 @@ impl<'a> Solver<'a> {
             *e = equations;
             equations += 1;
         }
-        Self { problem, equation, equations: equations as usize, prescribed, matrix: None, iterations: 0, symbolic: 0 }
+        Self { problem, equation, equations: equations as usize, prescribed, matrix: None, seconds: 0.0, iterations: 0, symbolic: 0 }
     }
 
     /// The state at load factor `load`, from one nearby. Friction is found in rounds: each bears what the pressures of
@@ -135,14 +138,42 @@ impl<'a> Solver<'a> {
     /// # Errors
     /// [`StepError`] where the step is too long or the structure unstable.
     pub fn step(&mut self, from: &State, load: f64) -> Result<State, StepError> {
-        let mut state = self.round(from, from, load)?;
+        let seconds = self.problem.seconds_per_load.map_or(f64::INFINITY, |s| s * (load - from.load).abs());
+        self.over(from, load, seconds)
+    }
+
+    /// The state after the load was held for a time, s.
+    ///
+    /// # Errors
+    /// [`StepError`].
+    pub fn hold(&mut self, from: &State, seconds: f64) -> Result<State, StepError> {
+        self.over(from, from.load, seconds)
+    }
+
+    fn over(&mut self, from: &State, load: f64, seconds: f64) -> Result<State, StepError> {
+        let mut state = self.round(from, from, load, seconds)?;
         for _ in 0..FRICTION_ROUNDS {
             if self.renew_friction(&mut state) <= FRICTION_TOLERANCE {
+                state.history = self.remember(&state, from, seconds).ok_or(StepError::InsideOut)?;
                 return Ok(state);
             }
-            state = self.round(from, &state, load)?;
+            state = self.round(from, &state, load, seconds)?;
         }
         Err(StepError::Friction)
+    }
+
+    /// Memory of the materials at the end of a step.
+    fn remember(&self, state: &State, from: &State, seconds: f64) -> Option<Vec<Vec<History>>> {
+        let advance = |(e, history): (usize, &Vec<History>)| {
+            if history.is_empty() {
+                return Some(Vec::new());
+            }
+            let (nodes, element) = self.nodes(e);
+            let displacement: Vec<[f64; 3]> = element.iter().map(|&a| state.displacement[a as usize]).collect();
+            let material = &self.problem.materials[self.problem.mesh.region[e] as usize];
+            advance_history(self.problem.kinematics, &nodes, &displacement, material, history, seconds)
+        };
+        from.history.iter().enumerate().map(advance).collect()
     }
 
     /// Sets the bounds of friction from the pressures; the largest change as a share of the largest bound.
@@ -161,7 +192,8 @@ impl<'a> Solver<'a> {
     }
 
     /// Newton's method from the guess `start`, with slip counted from the state `from`.
-    fn round(&mut self, from: &State, start: &State, load: f64) -> Result<State, StepError> {
+    fn round(&mut self, from: &State, start: &State, load: f64, seconds: f64) -> Result<State, StepError> {
+        self.seconds = seconds;
         let before = self.problem.positions(from);
         let mut state = start.clone();
         state.load = load;
@@ -196,6 +228,16 @@ impl<'a> Solver<'a> {
         Err(StepError::Diverged { iterations: self.iterations - first, force: last.force, volume: last.volume, gap: last.gap })
     }
 
+    /// The problem.
+    pub fn problem(&self) -> &'a Problem {
+        self.problem
+    }
+
+    /// Bytes of the last factor.
+    pub fn factor_bytes(&self) -> usize {
+        self.matrix.as_ref().map_or(0, SparseCholesky::factor_bytes)
+    }
+
     fn nodes(&self, e: usize) -> (Vec<[f64; 3]>, &[u32]) {
         let element = self.problem.mesh.element(e);
         (element.iter().map(|&a| self.problem.mesh.nodes[a as usize]).collect(), element)
@@ -207,7 +249,8 @@ impl<'a> Solver<'a> {
         let pressures = self.problem.kinematics.dim() + 1;
         let material = &self.problem.materials[self.problem.mesh.region[e] as usize];
         let pressure = &state.pressure[e * pressures..(e + 1) * pressures];
-        element_system(self.problem.kinematics, &nodes, &displacement, pressure, material, tangent)
+        let history = Some((state.history[e].as_slice(), self.seconds));
+        element_system(self.problem.kinematics, &nodes, &displacement, pressure, material, history, tangent)
     }
 
     fn touches(&self, state: &State, before: &[[f64; 3]]) -> Vec<Touching> {

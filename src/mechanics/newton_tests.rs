@@ -33,7 +33,7 @@ fn press(nx: usize, law: Law, nu: f64, depth: f64, grip: Grip, steps: usize) {
     let supports = base(&mesh, -depth);
     let facets: Vec<Facet> = mesh.facets.iter().copied().filter(|f| f.boundary == Boundary::Touched && mesh.facet_nodes(*f).iter().all(|&a| mesh.nodes[a as usize][0] <= 15.0 + 1e-9)).collect();
     let contact = Contact::new(Kinematics::Axisymmetric, &mesh, &facets, Counterpart::Rigid { profile: Profile::Flat, center: [0.0; 2] }, grip, law.shear_kpa(), 1.0);
-    let problem = Problem { kinematics: Kinematics::Axisymmetric, mesh, materials: vec![Material::elastic(law, nu).unwrap()], supports, forces: vec![], contacts: vec![contact] };
+    let problem = Problem { kinematics: Kinematics::Axisymmetric, mesh, materials: vec![Material::elastic(law, nu).unwrap()], supports, forces: vec![], contacts: vec![contact], seconds_per_load: None };
     solve(&problem, steps, 1.0);
 }
 
@@ -51,7 +51,7 @@ pub fn solve(problem: &Problem, steps: usize, mean_radius: f64) -> (f64, f64) {
     let start = std::time::Instant::now();
     let mut solver = Solver::new(problem);
     let loads: Vec<f64> = (1..=steps).map(|k| k as f64 / steps as f64).collect();
-    let state = match super::path::follow(&mut solver, problem.start(), &loads, &mut |_| true, &mut |_| ()) { Ok(s) => s, Err(e) => { println!("FAILED {e} iterations {}", solver.iterations); return (0.0, 0.0); } };
+    let state = match super::path::follow(&mut solver, problem.start(), &loads, &mut |_| true) { Ok(s) => s, Err(e) => { println!("FAILED {e} iterations {}", solver.iterations); return (0.0, 0.0); } };
     let contact = &problem.contacts[0];
     let x = problem.positions(&state);
     let (gaps, _) = contact.gaps(Positions { reference: &problem.mesh.nodes, before: &x, now: &x }, &vec![0.0; contact.nodes.len()]);
@@ -99,7 +99,7 @@ fn hertz() {
     let delta = a * a / radius;
     let facets: Vec<Facet> = mesh.facets.iter().copied().filter(|f| f.boundary == Boundary::Touched && mesh.facet_nodes(*f).iter().all(|&k| mesh.nodes[k as usize][0] <= 1.5 * a + 1e-9)).collect();
     let contact = Contact::new(Kinematics::Axisymmetric, &mesh, &facets, Counterpart::Rigid { profile: Profile::Table((0..400).map(|k| { let s = k as f64 * 0.005; [s, s * s / 2.0 / radius] }).collect()), center: [0.0; 2] }, Grip::Frictionless, law.shear_kpa(), 1.0);
-    let problem = Problem { kinematics: Kinematics::Axisymmetric, mesh: mesh.clone(), materials: vec![Material::elastic(law, nu).unwrap()], supports: base(&mesh, -delta), forces: vec![], contacts: vec![contact] };
+    let problem = Problem { kinematics: Kinematics::Axisymmetric, mesh: mesh.clone(), materials: vec![Material::elastic(law, nu).unwrap()], supports: base(&mesh, -delta), forces: vec![], contacts: vec![contact], seconds_per_load: None };
     let (force, p) = solve(&problem, 1, 0.2);
     let f0 = 4.0 / 3.0 * estar * radius.sqrt() * delta.powf(1.5);
     println!("h {h} force/hertz {:.5} mean p/p0 {:.5}", force * 1e3 / f0, p * 1e-3 / (1.5 * f0 / std::f64::consts::PI / a / a * 0.9933));
@@ -147,7 +147,7 @@ fn soft_sensor() {
         let mut supports = supports.clone();
         supports.iter_mut().for_each(|s| s.displacement_mm *= depth);
         let contact = Contact::new(Kinematics::Axisymmetric, &mesh, &slaves, Counterpart::Face(masters.clone()), grip, 5.0 / 3.0, -1.0);
-        let problem = Problem { kinematics: Kinematics::Axisymmetric, mesh: mesh.clone(), materials: vec![material(5.0), material(15.0), material(30.0), material(60.0)], supports, forces: vec![], contacts: vec![contact] };
+        let problem = Problem { kinematics: Kinematics::Axisymmetric, mesh: mesh.clone(), materials: vec![material(5.0), material(15.0), material(30.0), material(60.0)], supports, forces: vec![], contacts: vec![contact], seconds_per_load: None };
         println!("{grip:?} linear {linear}");
         solve(&problem, 1, 1.0);
     }

@@ -15,6 +15,24 @@ pub enum PathError {
         /// Why the next step failed.
         cause: StepError,
     },
+    /// A force that no depth within reach bears.
+    #[error("a force of {target_n} N is not met: {force_n:.6} N at {depth_mm:.4} mm")]
+    NoForce {
+        /// Asked, N.
+        target_n: f64,
+        /// Depth of the last try, mm.
+        depth_mm: f64,
+        /// Its force, N.
+        force_n: f64,
+    },
+    /// A material did not settle while the load was held.
+    #[error("the hold at {load:.3} mm fails: {cause}")]
+    Hold {
+        /// Load factor.
+        load: f64,
+        /// Why.
+        cause: StepError,
+    },
     /// The caller stopped it.
     #[error("stopped")]
     Stopped,
@@ -23,17 +41,16 @@ pub enum PathError {
 /// Shortest step as a share of the longest asked one.
 const SHORTEST: f64 = 1.0 / 1024.0;
 
-/// Follows the loads (increasing factors) and hands each converged asked state to `reached`. Where a step fails, it is
-/// halved; after a success it is doubled. `observe` hears the present load factor and may stop the work.
+/// Follows the loads (increasing factors) to the last. Where a step fails, it is halved; after a success it is doubled.
+/// `observe` hears the present load factor and may stop the work.
 ///
 /// # Errors
-/// [`PathError`]; the states handed over before stay valid.
+/// [`PathError`].
 pub fn follow(
     solver: &mut Solver,
     start: State,
     loads: &[f64],
     observe: &mut dyn FnMut(f64) -> bool,
-    reached: &mut dyn FnMut(State),
 ) -> Result<State, PathError> {
     let mut state = start;
     for &target in loads {
@@ -55,7 +72,6 @@ pub fn follow(
                 Err(_) => step *= 0.5,
             }
         }
-        reached(state.clone());
     }
     Ok(state)
 }

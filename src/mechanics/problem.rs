@@ -2,7 +2,8 @@
 
 use super::contact::Contact;
 use super::kinematics::Kinematics;
-use super::material::Material;
+use super::element::quadrature;
+use super::material::{History, Material};
 use super::mesh::Mesh;
 
 /// A mesh with materials, supports, loads and contacts. All loads grow in proportion to one load factor.
@@ -20,6 +21,8 @@ pub struct Problem {
     pub forces: Vec<(u32, [f64; 3])>,
     /// Contacts.
     pub contacts: Vec<Contact>,
+    /// Time in which the load factor grows by 1, s; `None`: so slow that all is relaxed. Matters to relaxing materials only.
+    pub seconds_per_load: Option<f64>,
 }
 
 /// A prescribed displacement component.
@@ -45,6 +48,8 @@ pub struct State {
     /// Traction at each touched node of each contact, kPa of the undeformed face: (normal pressure, 0, 0) and tangential
     /// traction; bonded faces hold the whole vector in the second.
     pub traction: Vec<Vec<Traction>>,
+    /// Memory of the relaxing materials, by element and quadrature point; empty for elastic ones.
+    pub history: Vec<Vec<History>>,
 }
 
 /// Traction at a touched node.
@@ -66,6 +71,16 @@ impl Problem {
             displacement: vec![[0.0; 3]; self.mesh.nodes.len()],
             pressure: vec![0.0; self.mesh.element_count() * (self.kinematics.dim() + 1)],
             traction: self.contacts.iter().map(|c| vec![Traction::default(); c.nodes.len()]).collect(),
+            history: self.mesh.region.iter().map(|&region| self.rest(region)).collect(),
+        }
+    }
+
+    fn rest(&self, region: u32) -> Vec<History> {
+        match self.materials.get(region as usize) {
+            Some(material) if !material.relaxation.is_empty() => {
+                vec![History::rest(material); quadrature(self.kinematics.dim()).len()]
+            }
+            _ => Vec::new(),
         }
     }
 

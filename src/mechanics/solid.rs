@@ -7,7 +7,7 @@
 
 use super::element::{MAX_NODES, MAX_PRESSURES, quadrature};
 use super::kinematics::{Kinematics, MaterialPoint, cofactor};
-use super::material::{Material, Tensor};
+use super::material::{History, Material, Tensor};
 
 /// Largest bulk modulus of the tangent, in shear moduli.
 const TANGENT_BULK: f64 = 1e4;
@@ -61,6 +61,7 @@ pub fn element_system(
     displacement: &[[f64; 3]],
     pressure: &[f64],
     material: &Material,
+    history: Option<(&[History], f64)>,
     tangent: bool,
 ) -> Option<ElementSystem> {
     let dim = kinematics.dim();
@@ -74,7 +75,7 @@ pub fn element_system(
     let mut mass = [[0.0; MAX_PRESSURES]; MAX_PRESSURES];
     let mut balance = [0.0; MAX_PRESSURES];
     let mut min_jacobian = f64::INFINITY;
-    for at in quadrature(dim) {
+    for (q, at) in quadrature(dim).iter().enumerate() {
         let point = kinematics.point(nodes, at)?;
         let mut f = point.displacement_gradient(dim, displacement);
         let trace = f[0][0] + f[1][1] + f[2][2];
@@ -86,7 +87,7 @@ pub fn element_system(
             return None;
         }
         min_jacobian = min_jacobian.min(1.0 + change);
-        let mut response = material.isochoric(&f, None)?;
+        let mut response = material.isochoric(&f, history.and_then(|(list, dt)| list.get(q).map(|h| (h, dt))))?;
         for k in 0..9 {
             response.stress[k] += p * direction[k / 3][k % 3];
         }
@@ -126,6 +127,27 @@ pub fn element_system(
         system.condense(unknowns, pressures, &mass, &balance, 1.0 / bulk)?;
     }
     Some(system)
+}
+
+/// The memory of an element after a step of `dt_s` seconds.
+pub fn advance_history(
+    kinematics: Kinematics,
+    nodes: &[[f64; 3]],
+    displacement: &[[f64; 3]],
+    material: &Material,
+    history: &[History],
+    dt_s: f64,
+) -> Option<Vec<History>> {
+    let dim = kinematics.dim();
+    let points = quadrature(dim).iter().zip(history);
+    points
+        .map(|(at, history)| {
+            let point = kinematics.point(nodes, at)?;
+            let mut f = point.displacement_gradient(dim, displacement);
+            (0..3).for_each(|i| f[i][i] += 1.0);
+            history.advance(material, &f, dt_s)
+        })
+        .collect()
 }
 
 /// Compressibility that the tangent keeps beyond the law's own, per kPa.

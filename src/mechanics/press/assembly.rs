@@ -1,0 +1,151 @@
+//! From the description of a press to its boundary value problem.
+
+use super::{PressError, SensorBody, Setup};
+use crate::mechanics::contact::{Contact, Counterpart, Grip, Profile};
+use crate::mechanics::kinematics::Kinematics;
+use crate::mechanics::mesh::{Boundary, Facet, Footprint, Mesh, SensorMesh};
+use crate::mechanics::problem::{Problem, Support};
+use std::collections::HashSet;
+
+/// A press as a problem; the load factor is the motion of the phantom's base in mm.
+#[derive(Debug, Clone)]
+pub struct Assembly {
+    /// The problem, with one contact.
+    pub problem: Problem,
+    /// Nodes of the phantom; the sensor's come after them.
+    pub phantom_nodes: usize,
+    /// Elements of the phantom; the sensor's come after them.
+    pub phantom_elements: usize,
+    /// Meshes of the bodies, phantom first.
+    pub bodies: Vec<Mesh>,
+}
+
+/// How far beyond the sensor's edge the phantom's face may come into contact, as a share of the sensor's radius.
+const MARGIN: f64 = 1.3;
+
+impl Assembly {
+    /// Meshes the bodies and brings them together.
+    ///
+    /// # Errors
+    /// Geometry that cannot be meshed, a setting that is not supported.
+    pub fn new(setup: &Setup) -> Result<Self, PressError> {
+        let flat = setup.kinematics != Kinematics::ThreeDimensional;
+        let phantom = if flat { setup.phantom.build_2d()? } else { setup.phantom.build_3d()? };
+        let (phantom_nodes, phantom_elements) = (phantom.nodes.len(), phantom.element_count());
+        let mut materials = setup.phantom_materials.clone();
+        let mut bodies = vec![phantom.clone()];
+        let mut supports = supports(&phantom, 0, setup.kinematics, Boundary::Base, -1.0);
+        let mut mesh = phantom;
+        let (facets, counterpart, side) = match &setup.sensor {
+            SensorBody::Rigid { edge_radius_mm } => rigid(setup, &mesh, *edge_radius_mm)?,
+            SensorBody::Layers(layers) => {
+                let sensor = SensorMesh {
+                    footprint: setup.phantom.footprint,
+                    layers_mm: layers.iter().map(|(thickness, _)| *thickness).collect(),
+                    symmetry: setup.phantom.symmetry,
+                    resolution: setup.phantom.resolution,
+                };
+                let sensor =
+                    if flat { sensor.build_2d(Some(&setup.phantom))? } else { sensor.build_3d(Some(&setup.phantom))? };
+                let face = mesh.boundary_facets(Boundary::Touched);
+                let face = face.into_iter().filter(|&facet| within(&mesh, facet, MARGIN * reach(setup)));
+                let face: Vec<Vec<u32>> = face.map(|facet| mesh.facet_nodes(facet)).collect();
+                supports.extend(self::supports(&sensor, mesh.nodes.len() as u32, setup.kinematics, Boundary::Base, 0.0));
+                let first = append(&mut mesh, &sensor, materials.len() as u32);
+                materials.extend(layers.iter().map(|(_, material)| material.clone()));
+                let facets = sensor.boundary_facets(Boundary::Touched);
+                bodies.push(sensor);
+                let shift = |facet: Facet| Facet { element: facet.element + first, ..facet };
+                (facets.into_iter().map(shift).collect(), Counterpart::Face(face), -1.0)
+            }
+        };
+        let softest = materials.iter().map(|m| m.law.shear_kpa()).fold(f64::INFINITY, f64::min);
+        let contact = Contact::new(setup.kinematics, &mesh, &facets, counterpart, setup.grip, softest, side);
+        let problem = Problem {
+            kinematics: setup.kinematics,
+            mesh,
+            materials,
+            supports,
+            forces: Vec::new(),
+            contacts: vec![contact],
+            seconds_per_load: setup.seconds_per_mm,
+        };
+        Ok(Self { problem, phantom_nodes, phantom_elements, bodies })
+    }
+}
+
+/// Touched facets of the phantom and the rigid sensor's profile.
+fn rigid(setup: &Setup, mesh: &Mesh, edge_radius_mm: f64) -> Result<(Vec<Facet>, Counterpart, f64), PressError> {
+    let center = [0.0; 2];
+    let touched = mesh.boundary_facets(Boundary::Touched).into_iter();
+    if setup.grip == Grip::Bonded {
+        let facets = touched.filter(|&facet| covered(setup, mesh, facet)).collect();
+        return Ok((facets, Counterpart::Rigid { profile: Profile::Flat, center }, 1.0));
+    }
+    let Footprint::Round { radius_mm } = setup.phantom.footprint else {
+        let message = "a rigid rectangular sensor can only be tied; give it soft layers or a round footprint";
+        return Err(PressError::Unsupported(message.into()));
+    };
+    let profile = Profile::RoundedFlat { flat_mm: radius_mm - edge_radius_mm, edge_radius_mm };
+    let facets = touched.filter(|&facet| within(mesh, facet, MARGIN * radius_mm)).collect();
+    Ok((facets, Counterpart::Rigid { profile, center }, 1.0))
+}
+
+fn reach(setup: &Setup) -> f64 {
+    match setup.phantom.footprint {
+        Footprint::Round { radius_mm } => radius_mm,
+        Footprint::Rectangle { half_widths_mm: [x, y] } if setup.kinematics.dim() == 3 => x.hypot(y),
+        Footprint::Rectangle { half_widths_mm } => half_widths_mm[0],
+    }
+}
+
+/// Whether a facet lies within a distance of the axis.
+fn within(mesh: &Mesh, facet: Facet, distance: f64) -> bool {
+    mesh.facet_nodes(facet).iter().all(|&a| across(mesh, a) <= distance * (1.0 + 1e-9))
+}
+
+/// Distance of a node from the axis.
+fn across(mesh: &Mesh, node: u32) -> f64 {
+    let x = mesh.nodes[node as usize];
+    if mesh.dim == 3 { x[0].hypot(x[1]) } else { x[0].abs() }
+}
+
+/// Whether a facet lies under the sensor.
+fn covered(setup: &Setup, mesh: &Mesh, facet: Facet) -> bool {
+    match setup.phantom.footprint {
+        Footprint::Rectangle { half_widths_mm } if mesh.dim == 3 => mesh.facet_nodes(facet).iter().all(|&a| {
+            let x = mesh.nodes[a as usize];
+            (0..2).all(|i| x[i].abs() <= half_widths_mm[i] * (1.0 + 1e-9))
+        }),
+        _ => within(mesh, facet, reach(setup)),
+    }
+}
+
+/// Supports of one body: its base moves along z with the load (`along_z` per mm), symmetry planes slide.
+pub fn supports(mesh: &Mesh, first: u32, kinematics: Kinematics, base: Boundary, along_z: f64) -> Vec<Support> {
+    let dim = kinematics.dim();
+    let mut held = HashSet::new();
+    let mut supports = Vec::new();
+    let mut hold = |node: u32, axis: usize, displacement_mm: f64| {
+        if held.insert((node, axis)) {
+            supports.push(Support { node: node + first, axis, displacement_mm });
+        }
+    };
+    for node in mesh.boundary_nodes(base) {
+        (0..dim - 1).for_each(|axis| hold(node, axis, 0.0));
+        hold(node, dim - 1, along_z);
+    }
+    mesh.boundary_nodes(Boundary::SymmetryX).into_iter().for_each(|node| hold(node, 0, 0.0));
+    mesh.boundary_nodes(Boundary::SymmetryY).into_iter().for_each(|node| hold(node, 1, 0.0));
+    supports
+}
+
+/// Adds a body to a mesh, its regions from `first_region`; the number of its first element.
+fn append(mesh: &mut Mesh, body: &Mesh, first_region: u32) -> u32 {
+    let (nodes, elements) = (mesh.nodes.len() as u32, mesh.element_count() as u32);
+    mesh.nodes.extend(&body.nodes);
+    mesh.elements.extend(body.elements.iter().map(|a| a + nodes));
+    mesh.region.extend(body.region.iter().map(|region| region + first_region));
+    mesh.facets.extend(body.facets.iter().map(|facet| Facet { element: facet.element + elements, ..*facet }));
+    elements
+}

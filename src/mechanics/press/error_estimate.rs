@@ -1,0 +1,74 @@
+//! Error of the pressure from a second press on elements of twice the size.
+
+use super::run::{JUDGED_SHARE, is_judged, press_once};
+use super::{ContactPoint, Load, PressError, Pressed, Setup};
+
+/// Estimated discretisation error of a press at one load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PressureError {
+    /// Root mean square of the pressure's error over 0.8 of the footprint's radius, as a share of the pressure's own.
+    pub rms: f64,
+    /// Error of the force, as a share of it.
+    pub force: f64,
+}
+
+/// Error of the finer mesh as a share of the difference of the two: 1 / (2^q - 1) with the order q = 2 of the pressure.
+const SHARE: f64 = 1.0 / 3.0;
+
+/// Presses again at the depths that were reached and books the errors.
+pub(super) fn estimate(pressed: &mut Pressed, observe: &mut dyn FnMut(f64) -> bool) -> Result<(), PressError> {
+    let mut coarse = pressed.setup.halved();
+    coarse.load = Load::Depths(pressed.steps.iter().map(|step| step.depth_mm).collect());
+    let coarse = match press_once(&coarse, observe) {
+        Ok(coarse) => coarse,
+        // Without the coarser press there is no estimate, but the press stands.
+        Err(PressError::Stopped { reached, .. }) => *reached,
+        Err(error) => return Err(error),
+    };
+    for (fine, coarse) in pressed.steps.iter_mut().zip(&coarse.steps) {
+        let rms = difference(&pressed.setup, &fine.points, &coarse.points);
+        let force = (fine.force_n - coarse.force_n).abs() / fine.force_n.abs().max(f64::MIN_POSITIVE);
+        fine.error = Some(PressureError { rms: SHARE * rms, force: SHARE * force });
+    }
+    Ok(())
+}
+
+/// Root mean square difference of two pressures over the judged part, as a share of that of the first.
+pub fn difference(setup: &Setup, fine: &[ContactPoint], coarse: &[ContactPoint]) -> f64 {
+    let (mut squares, mut size) = (0.0, 0.0);
+    for point in fine.iter().filter(|point| is_judged(setup, point)) {
+        if let Some(other) = pressure_at(setup, coarse, point) {
+            squares += point.area_mm2 * (point.pressure_kpa - other).powi(2);
+            size += point.area_mm2 * point.pressure_kpa.powi(2);
+        }
+    }
+    if size == 0.0 { 0.0 } else { (squares / size).sqrt() }
+}
+
+/// Pressure of another mesh at a point: linear between its nodes in two dimensions; in three, weighted by the nearest ones.
+fn pressure_at(setup: &Setup, points: &[ContactPoint], at: &ContactPoint) -> Option<f64> {
+    if setup.kinematics.dim() == 2 {
+        let after = points.partition_point(|point| point.reference_mm[0] < at.reference_mm[0]);
+        let b = points.get(after)?;
+        let Some(a) = after.checked_sub(1).and_then(|k| points.get(k)) else { return Some(b.pressure_kpa) };
+        let share = (at.reference_mm[0] - a.reference_mm[0]) / (b.reference_mm[0] - a.reference_mm[0]);
+        return Some(a.pressure_kpa + share * (b.pressure_kpa - a.pressure_kpa));
+    }
+    let mut near: Vec<(f64, f64)> = points
+        .iter()
+        .map(|point| {
+            let d = [0, 1].map(|i| point.reference_mm[i] - at.reference_mm[i]);
+            (d[0].hypot(d[1]), point.pressure_kpa)
+        })
+        .collect();
+    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+    near.truncate(NEAREST);
+    if near.first()?.0 < 1e-9 * JUDGED_SHARE {
+        return near.first().map(|(_, pressure)| *pressure);
+    }
+    let weight: f64 = near.iter().map(|(d, _)| d.powi(-2)).sum();
+    Some(near.iter().map(|(d, pressure)| pressure * d.powi(-2)).sum::<f64>() / weight)
+}
+
+/// Nodes of the coarser face that a pressure in three dimensions is drawn from.
+const NEAREST: usize = 4;

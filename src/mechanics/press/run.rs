@@ -1,0 +1,118 @@
+//! Runs a press through its loads.
+
+use super::load::{Reached, march};
+use super::{Assembly, ContactPoint, PressError, PressureError, Setup, contact_points, error_estimate};
+use crate::mechanics::newton::Solver;
+use crate::mechanics::problem::State;
+use std::time::Instant;
+
+/// What a press computes beside the press itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PressSettings {
+    /// A second press on elements of twice the size estimates the error.
+    pub estimate_error: bool,
+}
+
+/// How far a press is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PressStage {
+    /// Share of the work done, 0 to 1.
+    pub done: f64,
+    /// What is being done.
+    pub what: &'static str,
+}
+
+/// A press at one of the asked loads.
+#[derive(Debug, Clone)]
+pub struct PressStep {
+    /// Motion of the phantom's base, mm.
+    pub depth_mm: f64,
+    /// Total force along z, N.
+    pub force_n: f64,
+    /// Largest pressure over 0.8 of the footprint's radius, kPa: the edge of a tied contact is singular.
+    pub peak_pressure_kpa: f64,
+    /// Nodes of the touched face, by x, then y.
+    pub points: Vec<ContactPoint>,
+    /// The whole state.
+    pub state: State,
+    /// Error of the pressure, where it was estimated.
+    pub error: Option<PressureError>,
+}
+
+/// A press at all asked loads that it reached.
+#[derive(Debug, Clone)]
+pub struct Pressed {
+    /// Description.
+    pub setup: Setup,
+    /// The problem.
+    pub assembly: Assembly,
+    /// Asked loads, ascending.
+    pub steps: Vec<PressStep>,
+    /// Displacement unknowns.
+    pub unknowns: usize,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Seconds, without the error estimate.
+    pub seconds: f64,
+    /// Seconds of the error estimate.
+    pub error_seconds: f64,
+    /// Memory of the matrix factor, MiB.
+    pub factor_mib: f64,
+}
+
+/// Share of the footprint's radius over which pressures are judged.
+pub const JUDGED_SHARE: f64 = 0.8;
+
+/// Presses. `observe` hears how far it is and may stop it.
+///
+/// # Errors
+/// [`PressError`]; `Stopped` holds the loads that were reached.
+pub fn press(
+    setup: &Setup,
+    settings: PressSettings,
+    observe: &mut dyn FnMut(PressStage) -> bool,
+) -> Result<Pressed, PressError> {
+    let share = if settings.estimate_error { 0.75 } else { 1.0 };
+    let mut pressed = press_once(setup, &mut |done| observe(PressStage { done: share * done, what: "pressing" }))?;
+    if settings.estimate_error {
+        let start = Instant::now();
+        let observe = &mut |done| observe(PressStage { done: share + (1.0 - share) * done, what: "estimating the error" });
+        error_estimate::estimate(&mut pressed, observe)?;
+        pressed.error_seconds = start.elapsed().as_secs_f64();
+    }
+    Ok(pressed)
+}
+
+/// One press on one mesh.
+pub(super) fn press_once(setup: &Setup, observe: &mut dyn FnMut(f64) -> bool) -> Result<Pressed, PressError> {
+    let start = Instant::now();
+    let assembly = Assembly::new(setup)?;
+    let mut solver = Solver::new(&assembly.problem);
+    let mut steps = Vec::new();
+    let outcome = march(&mut solver, setup, observe, &mut |reached| steps.push(step(setup, &assembly, reached)));
+    let (iterations, factor_mib) = (solver.iterations, solver.factor_bytes() as f64 / f64::from(1 << 20));
+    drop(solver);
+    let unknowns = assembly.problem.unknowns();
+    let seconds = start.elapsed().as_secs_f64();
+    let setup = setup.clone();
+    let pressed =
+        Pressed { setup, assembly, steps, unknowns, iterations, seconds, error_seconds: 0.0, factor_mib };
+    match outcome {
+        Ok(()) => Ok(pressed),
+        Err(cause) => Err(PressError::Stopped { cause, reached: Box::new(pressed) }),
+    }
+}
+
+fn step(setup: &Setup, assembly: &Assembly, Reached { state, force_n }: Reached) -> PressStep {
+    let points = contact_points(&assembly.problem, 0, &state);
+    let judged = points.iter().filter(|point| is_judged(setup, point));
+    let peak_pressure_kpa = judged.map(|point| point.pressure_kpa).fold(0.0, f64::max);
+    PressStep { depth_mm: state.load, force_n, peak_pressure_kpa, points, state, error: None }
+}
+
+/// Whether a point lies within the part of the footprint over which pressures are judged.
+pub fn is_judged(setup: &Setup, point: &ContactPoint) -> bool {
+    let [x, y, _] = point.reference_mm;
+    let across = if setup.kinematics.dim() == 3 { x.hypot(y) } else { x.abs() };
+    across <= JUDGED_SHARE * setup.reach_mm()
+}

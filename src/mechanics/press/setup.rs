@@ -1,0 +1,80 @@
+//! What is pressed against what.
+
+use crate::mechanics::contact::Grip;
+use crate::mechanics::kinematics::Kinematics;
+use crate::mechanics::material::Material;
+use crate::mechanics::mesh::{Footprint, PhantomMesh};
+
+/// Description of a press.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// Setting: axisymmetric or three-dimensional.
+    pub kinematics: Kinematics,
+    /// The phantom, its inclusions and its mesh; the footprint is the sensor's face.
+    pub phantom: PhantomMesh,
+    /// Material of the phantom, then of each inclusion.
+    pub phantom_materials: Vec<Material>,
+    /// The sensor.
+    pub sensor: SensorBody,
+    /// How the faces hold each other.
+    pub grip: Grip,
+    /// What is asked.
+    pub load: Load,
+    /// Time that each mm of the press takes, s; absent: so slow that all is relaxed.
+    pub seconds_per_mm: Option<f64>,
+    /// Time for which each asked load is held before it is read, s.
+    pub hold_s: f64,
+}
+
+/// The sensor's body.
+#[derive(Debug, Clone)]
+pub enum SensorBody {
+    /// Rigid and flat, with a rounded edge where it is not bonded.
+    Rigid {
+        /// Radius of the edge's rounding, mm.
+        edge_radius_mm: f64,
+    },
+    /// Soft layers on rigid glass, lowest first.
+    Layers(Vec<(f64, Material)>),
+}
+
+/// What is asked of a press.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Load {
+    /// Motions of the phantom's base, mm, ascending.
+    Depths(Vec<f64>),
+    /// Forces, N, ascending.
+    Forces(Vec<f64>),
+}
+
+impl Setup {
+    /// The same press on elements of twice the size.
+    pub fn halved(&self) -> Self {
+        Self { phantom: self.phantom.halved(), ..self.clone() }
+    }
+
+    /// The same phantom without its inclusions, on the same mesh.
+    pub fn without_inclusions(&self) -> Self {
+        let mut setup = self.clone();
+        if let Some(body) = self.phantom_materials.first() {
+            setup.phantom_materials.iter_mut().for_each(|material| *material = body.clone());
+        }
+        setup
+    }
+
+    /// Largest distance of the touched face's outline from the axis, mm; the half width along x of a rectangle.
+    pub fn reach_mm(&self) -> f64 {
+        match self.phantom.footprint {
+            Footprint::Round { radius_mm } => radius_mm,
+            Footprint::Rectangle { half_widths_mm } => half_widths_mm[0],
+        }
+    }
+
+    /// How many times the meshed part makes up the whole.
+    pub fn copies(&self) -> f64 {
+        match self.kinematics {
+            Kinematics::ThreeDimensional => self.phantom.symmetry.iter().map(|&s| if s { 2.0 } else { 1.0 }).product(),
+            Kinematics::Axisymmetric | Kinematics::PlaneStrain => 1.0,
+        }
+    }
+}
