@@ -1,8 +1,8 @@
 //! The scenes that come with the program.
 
 use super::error::SceneError;
-use super::load::{LoadedScene, parse};
-use std::path::Path;
+use super::load::{LoadedScan, LoadedScene, parse, parse_scan};
+use std::path::{Path, PathBuf};
 
 /// Name and text of every preset.
 pub const PRESETS: &[(&str, &str)] = &[
@@ -18,15 +18,32 @@ pub const PRESETS: &[(&str, &str)] = &[
     ("absorbing", include_str!("../../scenes/absorbing.toml")),
 ];
 
+/// Name and text of every scan scene.
+pub const SCAN_PRESETS: &[(&str, &str)] = &[];
+
 /// A preset by its name.
 ///
 /// # Errors
 /// When there is no preset of that name.
 pub fn preset(name: &str) -> Result<LoadedScene, SceneError> {
-    match PRESETS.iter().find(|(known, _)| *known == name) {
-        Some((_, text)) => parse(text, Path::new(&format!("{name}.toml"))),
+    let (text, file) = find(PRESETS, name)?;
+    parse(text, &file)
+}
+
+/// A scan scene by its name.
+///
+/// # Errors
+/// When there is no scan scene of that name.
+pub fn scan_preset(name: &str) -> Result<LoadedScan, SceneError> {
+    let (text, file) = find(SCAN_PRESETS, name)?;
+    parse_scan(text, &file)
+}
+
+fn find(presets: &[(&str, &'static str)], name: &str) -> Result<(&'static str, PathBuf), SceneError> {
+    match presets.iter().find(|(known, _)| *known == name) {
+        Some((_, text)) => Ok((text, PathBuf::from(format!("{name}.toml")))),
         None => {
-            let names: Vec<&str> = PRESETS.iter().map(|(known, _)| *known).collect();
+            let names: Vec<&str> = presets.iter().map(|(known, _)| *known).collect();
             let message = format!("there is no such preset; there are {}", names.join(", "));
             Err(SceneError::of_file("unknown_preset", Path::new(name), message))
         }
