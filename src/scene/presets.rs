@@ -10,6 +10,15 @@ pub const PRESETS: &[(&str, &str)] = &[
     ("tsis-literature", include_str!("../../scenes/tsis-literature.toml")),
     ("tsis-dent", include_str!("../../scenes/tsis-dent.toml")),
     ("press-hertz", include_str!("../../scenes/press-hertz.toml")),
+    ("phantom-size-2mm", include_str!("../../scenes/phantom-size-2mm.toml")),
+    ("phantom-size-8mm", include_str!("../../scenes/phantom-size-8mm.toml")),
+    ("phantom-size-14mm", include_str!("../../scenes/phantom-size-14mm.toml")),
+    ("phantom-depth-3mm", include_str!("../../scenes/phantom-depth-3mm.toml")),
+    ("phantom-depth-7mm", include_str!("../../scenes/phantom-depth-7mm.toml")),
+    ("phantom-depth-11.2mm", include_str!("../../scenes/phantom-depth-11.2mm.toml")),
+    ("phantom-stiffness-44.5kpa", include_str!("../../scenes/phantom-stiffness-44.5kpa.toml")),
+    ("phantom-stiffness-63.5kpa", include_str!("../../scenes/phantom-stiffness-63.5kpa.toml")),
+    ("phantom-stiffness-102.8kpa", include_str!("../../scenes/phantom-stiffness-102.8kpa.toml")),
     ("flat-bonded", include_str!("../../scenes/flat-bonded.toml")),
     ("dent-cap", include_str!("../../scenes/dent-cap.toml")),
     ("contact-disc", include_str!("../../scenes/contact-disc.toml")),
@@ -19,7 +28,7 @@ pub const PRESETS: &[(&str, &str)] = &[
 ];
 
 /// Name and text of every scan scene.
-pub const SCAN_PRESETS: &[(&str, &str)] = &[];
+pub const SCAN_PRESETS: &[(&str, &str)] = &[("frames-galea", include_str!("../../scenes/frames-galea.toml"))];
 
 /// A preset by its name.
 ///
