@@ -7,6 +7,7 @@
 pub mod contact;
 pub mod element;
 pub mod frames;
+pub mod from_scene;
 pub mod kinematics;
 pub mod material;
 pub mod mesh;

@@ -1,13 +1,14 @@
 //! For tests: presets with one change that makes them wrong, and the error that must follow.
 #![allow(clippy::unwrap_used)]
 
-use super::load::parse;
+use super::error::SceneError;
+use super::load::{parse, parse_scan};
 use super::locate::line_at;
-use super::presets::PRESETS;
+use super::presets::{PRESETS, SCAN_PRESETS};
 use std::path::Path;
 
 pub(super) fn text_of(name: &str) -> &'static str {
-    PRESETS.iter().find(|(known, _)| *known == name).unwrap().1
+    PRESETS.iter().chain(SCAN_PRESETS).find(|(known, _)| *known == name).unwrap().1
 }
 
 /// One change to a preset that makes it wrong. The line that the error must name is marked `#!` in the change.
@@ -32,11 +33,20 @@ pub(super) fn bad(
 }
 
 pub(super) fn check(case: &Bad) {
+    check_read_by(case, |text| parse(text, Path::new("scene.toml")).unwrap_err());
+}
+
+/// As [`check`], for scan scenes.
+pub(super) fn check_scan(case: &Bad) {
+    check_read_by(case, |text| parse_scan(text, Path::new("scene.toml")).unwrap_err());
+}
+
+fn check_read_by(case: &Bad, read: fn(&str) -> SceneError) {
     let original = text_of(case.preset);
     assert!(original.contains(case.from), "{} has no {:?}", case.preset, case.from);
     let text = original.replacen(case.from, case.to, 1);
     let marked = text.find("#!").map(|at| line_at(&text, at));
-    let error = parse(&text, Path::new("scene.toml")).unwrap_err();
+    let error = read(&text);
     let seen = (error.kind, error.key.as_deref(), error.line);
     assert_eq!(seen, (case.kind, Some(case.key), marked.or(Some(1))), "{:?} gives {error}", case.to);
     assert!(error.message.contains(case.says), "{:?} gives {error}", case.to);

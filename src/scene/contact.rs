@@ -150,6 +150,8 @@ pub enum Pressure {
         /// Pressure for a value of 1, kPa.
         scale_kpa: f64,
     },
+    /// As the press of the phantom gives it; for scenes with a press.
+    Press,
 }
 
 /// Share of true contact against pressure.

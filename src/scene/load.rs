@@ -3,8 +3,8 @@
 use super::data_file::read_limited;
 use super::error::SceneError;
 use super::locate::{line_at, line_of};
-use super::{Scene, schema, structure, validate};
-use serde::Deserialize as _;
+use super::{Invalid, ScanScene, Scene, schema, structure, validate};
+use serde::Deserialize;
 use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, Deserializer};
@@ -12,18 +12,24 @@ use toml::de::{DeTable, Deserializer};
 /// Largest scene file, bytes. The presets are below 4 KiB; a file of this size is not a scene.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// A valid scene and where it came from.
+/// A valid scene of one of the two kinds, and where it came from.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LoadedScene {
+pub struct Loaded<S> {
     /// The scene.
-    pub scene: Scene,
+    pub scene: S,
     /// Folder of the scene file; files named by the scene are relative to it.
     pub folder: PathBuf,
     /// SHA-256 of the file's bytes, in hexadecimal.
     pub sha256: String,
 }
 
-impl LoadedScene {
+/// A valid scene of a sensor.
+pub type LoadedScene = Loaded<Scene>;
+
+/// A valid scan scene.
+pub type LoadedScan = Loaded<ScanScene>;
+
+impl<S> Loaded<S> {
     /// Where a file named by the scene lies.
     pub fn resolve(&self, file: &Path) -> PathBuf {
         self.folder.join(file)
@@ -35,25 +41,45 @@ impl LoadedScene {
 /// # Errors
 /// When the file cannot be read, is no scene, breaks a rule, or names a file that does not exist.
 pub fn load(path: &Path) -> Result<LoadedScene, SceneError> {
+    let text = read_text(path)?;
+    let loaded = parse(&text, path)?;
+    files_exist(&text, path, &loaded.folder, loaded.scene.files())?;
+    Ok(loaded)
+}
+
+/// Reads a scan scene file.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_scan(path: &Path) -> Result<LoadedScan, SceneError> {
+    let text = read_text(path)?;
+    let loaded = parse_scan(&text, path)?;
+    files_exist(&text, path, &loaded.folder, loaded.scene.files())?;
+    Ok(loaded)
+}
+
+fn read_text(path: &Path) -> Result<String, SceneError> {
     let bytes = read_limited(path, MAX_BYTES).map_err(|error| {
         SceneError::of_file(error.kind, path, format!("{}; a scene is a TOML file of some kilobytes", error.message))
     })?;
-    let text = String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let line = 1 + error.as_bytes().iter().take(valid).filter(|&&byte| byte == b'\n').count();
         SceneError::of_file("not_utf8", path, "is not UTF-8; save it as UTF-8 text").at(Some(line), None)
-    })?;
-    let loaded = parse(&text, path)?;
-    for (key, named) in loaded.scene.files() {
-        let resolved = loaded.resolve(named);
+    })
+}
+
+fn files_exist(text: &str, path: &Path, folder: &Path, files: Vec<(String, &Path)>) -> Result<(), SceneError> {
+    for (key, named) in files {
+        let resolved = folder.join(named);
         if !resolved.is_file() {
-            let line = DeTable::parse(&text).ok().map(|document| line_of(&text, document.get_ref(), &key));
+            let line = DeTable::parse(text).ok().map(|document| line_of(text, document.get_ref(), &key));
             let message =
                 format!("names {}, which is not a file; paths are relative to the scene's folder", resolved.display());
             return Err(SceneError::of_file("missing_file", path, message).at(line, Some(&key)));
         }
     }
-    Ok(loaded)
+    Ok(())
 }
 
 /// Reads a scene from its text; `origin` is the file it came from, for messages and relative paths.
@@ -63,6 +89,23 @@ pub fn load(path: &Path) -> Result<LoadedScene, SceneError> {
 /// # Errors
 /// When the text is no scene or breaks a rule.
 pub fn parse(text: &str, origin: &Path) -> Result<LoadedScene, SceneError> {
+    parse_as(text, origin, &schema::schema(), validate::validate)
+}
+
+/// Reads a scan scene from its text, as [`parse`].
+///
+/// # Errors
+/// When the text is no scan scene or breaks a rule.
+pub fn parse_scan(text: &str, origin: &Path) -> Result<LoadedScan, SceneError> {
+    parse_as(text, origin, &schema::scan_schema(), validate::validate_scan)
+}
+
+fn parse_as<'t, S: Deserialize<'t>>(
+    text: &'t str,
+    origin: &Path,
+    schema: &serde_json::Value,
+    rules: fn(&S) -> Result<(), Invalid>,
+) -> Result<Loaded<S>, SceneError> {
     let toml_error = |kind: &'static str, error: &toml::de::Error| {
         let line = error.span().map(|span| line_at(text, span.start));
         SceneError::of_file(kind, origin, error.message()).at(line, None)
@@ -72,12 +115,10 @@ pub fn parse(text: &str, origin: &Path) -> Result<LoadedScene, SceneError> {
         let line = line_of(text, document.get_ref(), key);
         SceneError::of_file(kind, origin, message).at(Some(line), Some(key))
     };
-    structure::check(document.get_ref(), &schema::schema())
-        .map_err(|fault| at_key(fault.kind, &fault.key, &fault.message))?;
-    let scene =
-        Scene::deserialize(Deserializer::from(document.clone())).map_err(|error| toml_error("syntax", &error))?;
-    validate::validate(&scene).map_err(|broken| at_key("invalid_value", &broken.key, &broken.message))?;
-    Ok(LoadedScene {
+    structure::check(document.get_ref(), schema).map_err(|fault| at_key(fault.kind, &fault.key, &fault.message))?;
+    let scene = S::deserialize(Deserializer::from(document.clone())).map_err(|error| toml_error("syntax", &error))?;
+    rules(&scene).map_err(|broken| at_key("invalid_value", &broken.key, &broken.message))?;
+    Ok(Loaded {
         scene,
         folder: origin.parent().map(Path::to_path_buf).unwrap_or_default(),
         sha256: Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect(),

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
 use crate::scene::bad_scenes::{bad, check, text_of};
-use crate::scene::presets::{PRESETS, preset};
+use crate::scene::presets::{PRESETS, SCAN_PRESETS, preset, scan_preset};
 use proptest::prelude::*;
 
 #[test]
@@ -9,6 +9,44 @@ fn every_preset_is_valid_and_bears_its_name() {
     for (name, _) in PRESETS {
         let loaded = preset(name).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(loaded.scene.name, *name);
+    }
+    for (name, _) in SCAN_PRESETS {
+        let loaded = scan_preset(name).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(loaded.scene.name, *name);
+    }
+}
+
+#[test]
+fn every_scene_of_the_folder_is_a_preset() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut files: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
+        .collect();
+    files.sort();
+    let mut names: Vec<&str> = PRESETS.iter().chain(SCAN_PRESETS).map(|(name, _)| *name).collect();
+    names.sort();
+    assert_eq!(files, names);
+}
+
+#[test]
+fn the_phantom_scenes_differ_in_their_inclusion_alone() {
+    let scenes: Vec<_> = PRESETS
+        .iter()
+        .filter(|(name, _)| name.starts_with("phantom-"))
+        .map(|(name, _)| preset(name).unwrap().scene)
+        .collect();
+    assert_eq!(scenes.len(), 9);
+    for scene in &scenes {
+        let mut same = scene.clone();
+        same.name = scenes[0].name.clone();
+        same.description = scenes[0].description.clone();
+        let inclusion = |scene: &Scene| scene.phantom.as_ref().unwrap().inclusion.clone();
+        assert_eq!(inclusion(scene).len(), 1);
+        same.phantom.as_mut().unwrap().inclusion = inclusion(&scenes[0]);
+        assert_eq!(same, scenes[0]);
     }
 }
 
@@ -91,6 +129,26 @@ fn a_file_that_does_not_exist_is_named_with_its_key() {
 }
 
 #[test]
+fn files_of_phantoms_and_scans_are_named_with_their_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    let sphere = "{ kind = \"sphere\", diameter_mm = 10.0 }";
+    let text = text_of("frames-galea").replace(sphere, "{ kind = \"mesh\", file = \"lump.stl\" }");
+    let text = text.replace("{ kind = \"round\", radius_mm = 20.0 }", "{ kind = \"table\", file = \"head.csv\" }");
+    std::fs::write(&path, &text).unwrap();
+    let key = || load_scan(&path).map_err(|error| error.key.unwrap_or_default()).err();
+    assert_eq!(key().as_deref(), Some("phantom.inclusion[0].shape.file"));
+    std::fs::write(folder.path().join("lump.stl"), "").unwrap();
+    assert_eq!(key().as_deref(), Some("scan.indenter.file"));
+    std::fs::write(folder.path().join("head.csv"), "").unwrap();
+    assert_eq!(key(), None);
+    let sphere = "{ kind = \"sphere\", diameter_mm = 8.0 }";
+    let text = text_of("phantom-size-8mm").replace(sphere, "{ kind = \"mesh\", file = \"other.stl\" }");
+    std::fs::write(&path, &text).unwrap();
+    assert_eq!(load(&path).unwrap_err().key.as_deref(), Some("phantom.inclusion[0].shape.file"));
+}
+
+#[test]
 fn unreadable_large_and_non_utf8_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
@@ -109,6 +167,11 @@ fn a_scene_survives_the_way_to_toml_and_back() {
         let scene = preset(name).unwrap().scene;
         let text = toml::to_string(&scene).unwrap();
         assert_eq!(parse(&text, Path::new("s.toml")).unwrap().scene, scene, "{name}");
+    }
+    for (name, _) in SCAN_PRESETS {
+        let scene = scan_preset(name).unwrap().scene;
+        let text = toml::to_string(&scene).unwrap();
+        assert_eq!(parse_scan(&text, Path::new("s.toml")).unwrap().scene, scene, "{name}");
     }
 }
 

@@ -8,6 +8,7 @@
 mod bad_scenes;
 pub mod contact;
 pub mod data_file;
+pub mod elastic;
 pub mod error;
 mod files;
 pub mod ies;
@@ -15,7 +16,10 @@ pub mod load;
 mod locate;
 mod materials;
 pub mod mesh_file;
+pub mod phantom;
 pub mod presets;
+pub mod press;
+pub mod scan;
 pub mod schema;
 pub mod sensor;
 mod structure;
@@ -25,15 +29,19 @@ pub mod view;
 
 pub use contact::*;
 pub use data_file::DataFileError;
+pub use elastic::*;
 pub use error::SceneError;
 pub use ies::{IesTable, read_ies};
-pub use load::{LoadedScene, load, parse};
+pub use load::{Loaded, LoadedScan, LoadedScene, load, load_scan, parse, parse_scan};
 pub use mesh_file::{TriangleMesh, read_mesh};
-pub use presets::{PRESETS, preset};
-pub use schema::schema;
+pub use phantom::*;
+pub use presets::{PRESETS, SCAN_PRESETS, preset, scan_preset};
+pub use press::*;
+pub use scan::*;
+pub use schema::{scan_schema, schema};
 pub use sensor::*;
-pub use table::read_pressure_table;
-pub use validate::{Invalid, validate};
+pub use table::{read_indenter_table, read_pressure_table};
+pub use validate::{Invalid, validate, validate_scan};
 pub use view::*;
 
 use schemars::JsonSchema;
@@ -59,6 +67,10 @@ pub struct Scene {
     /// What deforms the touched face and what makes optical contact with it. Absent: nothing touches.
     #[serde(default)]
     pub touch: Touch,
+    /// The phantom that is pressed against the sensor. Absent: none.
+    pub phantom: Option<Phantom>,
+    /// How it is pressed; shape and pressure of the touched face then follow. Absent: nothing is pressed.
+    pub press: Option<Press>,
     /// How the image is computed by default.
     #[serde(default)]
     pub render: Render,

@@ -1,8 +1,8 @@
 //! The scenes that come with the program.
 
 use super::error::SceneError;
-use super::load::{LoadedScene, parse};
-use std::path::Path;
+use super::load::{LoadedScan, LoadedScene, parse, parse_scan};
+use std::path::{Path, PathBuf};
 
 /// Name and text of every preset.
 pub const PRESETS: &[(&str, &str)] = &[
@@ -10,6 +10,15 @@ pub const PRESETS: &[(&str, &str)] = &[
     ("tsis-literature", include_str!("../../scenes/tsis-literature.toml")),
     ("tsis-dent", include_str!("../../scenes/tsis-dent.toml")),
     ("press-hertz", include_str!("../../scenes/press-hertz.toml")),
+    ("phantom-size-2mm", include_str!("../../scenes/phantom-size-2mm.toml")),
+    ("phantom-size-8mm", include_str!("../../scenes/phantom-size-8mm.toml")),
+    ("phantom-size-14mm", include_str!("../../scenes/phantom-size-14mm.toml")),
+    ("phantom-depth-3mm", include_str!("../../scenes/phantom-depth-3mm.toml")),
+    ("phantom-depth-7mm", include_str!("../../scenes/phantom-depth-7mm.toml")),
+    ("phantom-depth-11.2mm", include_str!("../../scenes/phantom-depth-11.2mm.toml")),
+    ("phantom-stiffness-44.5kpa", include_str!("../../scenes/phantom-stiffness-44.5kpa.toml")),
+    ("phantom-stiffness-63.5kpa", include_str!("../../scenes/phantom-stiffness-63.5kpa.toml")),
+    ("phantom-stiffness-102.8kpa", include_str!("../../scenes/phantom-stiffness-102.8kpa.toml")),
     ("flat-bonded", include_str!("../../scenes/flat-bonded.toml")),
     ("dent-cap", include_str!("../../scenes/dent-cap.toml")),
     ("contact-disc", include_str!("../../scenes/contact-disc.toml")),
@@ -18,15 +27,32 @@ pub const PRESETS: &[(&str, &str)] = &[
     ("absorbing", include_str!("../../scenes/absorbing.toml")),
 ];
 
+/// Name and text of every scan scene.
+pub const SCAN_PRESETS: &[(&str, &str)] = &[("frames-galea", include_str!("../../scenes/frames-galea.toml"))];
+
 /// A preset by its name.
 ///
 /// # Errors
 /// When there is no preset of that name.
 pub fn preset(name: &str) -> Result<LoadedScene, SceneError> {
-    match PRESETS.iter().find(|(known, _)| *known == name) {
-        Some((_, text)) => parse(text, Path::new(&format!("{name}.toml"))),
+    let (text, file) = find(PRESETS, name)?;
+    parse(text, &file)
+}
+
+/// A scan scene by its name.
+///
+/// # Errors
+/// When there is no scan scene of that name.
+pub fn scan_preset(name: &str) -> Result<LoadedScan, SceneError> {
+    let (text, file) = find(SCAN_PRESETS, name)?;
+    parse_scan(text, &file)
+}
+
+fn find(presets: &[(&str, &'static str)], name: &str) -> Result<(&'static str, PathBuf), SceneError> {
+    match presets.iter().find(|(known, _)| *known == name) {
+        Some((_, text)) => Ok((text, PathBuf::from(format!("{name}.toml")))),
         None => {
-            let names: Vec<&str> = PRESETS.iter().map(|(known, _)| *known).collect();
+            let names: Vec<&str> = presets.iter().map(|(known, _)| *known).collect();
             let message = format!("there is no such preset; there are {}", names.join(", "));
             Err(SceneError::of_file("unknown_preset", Path::new(name), message))
         }

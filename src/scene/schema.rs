@@ -1,10 +1,21 @@
-//! JSON schema of the scene file, for editors and for the structure check.
+//! JSON schemas of the scene files, for editors and for the structure check.
 
-use super::Scene;
+use super::{ScanScene, Scene};
+use schemars::SchemaGenerator;
 
-/// The JSON schema (2020-12) of a scene file, made from the types that read it.
+/// The JSON schema (2020-12) of a sensor's scene file, made from the types that read it.
+///
+/// That of a scan scene is its definition `#/$defs/ScanScene`, so that one printed schema serves both kinds of file.
 pub fn schema() -> serde_json::Value {
-    schemars::schema_for!(Scene).to_value()
+    let mut generator = SchemaGenerator::default();
+    // Registered as a definition; the reference to it is not needed.
+    let _reference = generator.subschema_for::<ScanScene>();
+    generator.into_root_schema_for::<Scene>().to_value()
+}
+
+/// The JSON schema (2020-12) of a scan scene file.
+pub fn scan_schema() -> serde_json::Value {
+    schemars::schema_for!(ScanScene).to_value()
 }
 
 #[cfg(test)]
@@ -30,7 +41,7 @@ mod tests {
     fn check_tables(at: &str, value: &Value) {
         if let Some(properties) = value.get("properties").and_then(Value::as_object) {
             assert_eq!(value["additionalProperties"], Value::Bool(false), "{at}");
-            for (key, property) in properties.iter().filter(|(key, _)| *key != "kind") {
+            for (key, property) in properties.iter().filter(|(key, _)| !["kind", "law"].contains(&key.as_str())) {
                 assert!(property.get("description").is_some(), "{at}.{key}");
             }
         }
@@ -44,5 +55,12 @@ mod tests {
     #[test]
     fn every_table_is_closed_and_every_key_is_described() {
         check_tables("", &schema());
+    }
+
+    #[test]
+    fn the_schema_of_scan_scenes_is_in_that_of_scenes() {
+        let (both, scan) = (schema(), scan_schema());
+        assert_eq!(both["$defs"]["ScanScene"]["properties"], scan["properties"]);
+        assert!(scan["properties"]["scan"].is_object());
     }
 }

@@ -1,5 +1,6 @@
 //! The sensor itself: light, layers, walls and LEDs.
 
+use super::Elastic;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -49,6 +50,8 @@ pub struct Layer {
     /// Roughness of the layer's upper face (towards the touch side).
     #[serde(default)]
     pub upper_roughness: Roughness,
+    /// How the layer deforms in a press. Absent: rigid (glass); only the lowest layers may be.
+    pub elastic: Option<Elastic>,
 }
 
 /// Materials with a dispersion formula (sources in docs/PHYSICS.md).

@@ -135,14 +135,15 @@ impl<'s> Walk<'s> {
         Ok(())
     }
 
-    /// One of several names, or one of several tables told apart by their `kind`.
+    /// One of several names, or one of several tables told apart by one of their keys: `kind`, or `law` for materials.
     fn choice(&self, key: &str, value: &DeValue<'_>, choices: &'s [Value]) -> Result<(), Fault> {
         let names: Vec<&str> = choices.iter().filter_map(choice_name).collect();
         let tagged = choices.iter().any(|one| one.get("properties").is_some());
         let (key_of_name, name) = match value {
             DeValue::Table(table) if tagged => {
-                let kind_key = format!("{key}.kind");
-                match table.iter().find(|(present, _)| present.get_ref() == "kind") {
+                let tag = tag(choices);
+                let kind_key = format!("{key}.{tag}");
+                match table.iter().find(|(present, _)| present.get_ref() == tag) {
                     Some((_, kind)) => (kind_key, kind.get_ref()),
                     None => {
                         let message = format!("is missing; give one of {}", quoted(&names));
@@ -152,8 +153,9 @@ impl<'s> Walk<'s> {
             }
             _ if tagged => {
                 let example = names.first().unwrap_or(&"");
+                let tag = tag(choices);
                 let message = format!(
-                    "must be a table with a kind ({}), is {}; for example {{ kind = \"{example}\" }}",
+                    "must be a table with a {tag} ({}), is {}; for example {{ {tag} = \"{example}\" }}",
                     quoted(&names),
                     shown(value)
                 );
@@ -175,7 +177,17 @@ impl<'s> Walk<'s> {
 }
 
 fn choice_name(choice: &Value) -> Option<&str> {
-    choice.pointer("/properties/kind/const").or_else(|| choice.get("const"))?.as_str()
+    choice_tag(choice).map(|(_, name)| name).or_else(|| choice.get("const")?.as_str())
+}
+
+/// The key that tells a table of a choice from the others, and its value there.
+fn choice_tag(choice: &Value) -> Option<(&str, &str)> {
+    let properties = choice.get("properties")?.as_object()?;
+    properties.iter().find_map(|(key, property)| Some((key.as_str(), property.get("const")?.as_str()?)))
+}
+
+fn tag(choices: &[Value]) -> &str {
+    choices.iter().find_map(choice_tag).map_or("kind", |(key, _)| key)
 }
 
 fn type_name(schema: &Value) -> &str {
@@ -195,7 +207,7 @@ fn wanted(schema: &Value) -> String {
     if let Some(choices) = schema.get("oneOf").and_then(Value::as_array) {
         let names: Vec<&str> = choices.iter().filter_map(choice_name).collect();
         let tagged = choices.iter().any(|one| one.get("properties").is_some());
-        let lead = if tagged { "a table with a kind of" } else { "one of" };
+        let lead = if tagged { format!("a table with a {} of", tag(choices)) } else { "one of".to_owned() };
         return format!("{lead} {}", quoted(&names));
     }
     match type_name(schema) {

@@ -1,4 +1,4 @@
-//! Pressure against radius, from a CSV table.
+//! Tables of two columns from CSV: pressure against radius, an indenter's shape against the distance from its axis.
 
 use super::data_file::{DataFileError, Defect, read_limited};
 use std::path::Path;
@@ -7,25 +7,47 @@ use std::path::Path;
 const MAX_BYTES: u64 = 1 << 20;
 /// Most rows of a table.
 const MAX_ROWS: usize = 10_000;
-/// The columns, in order.
-const HEADER: [&str; 2] = ["r_mm", "pressure_kpa"];
-
+/// Columns of a pressure table.
+const PRESSURE: [&str; 2] = ["r_mm", "pressure_kpa"];
+/// Columns of an indenter's shape.
+const INDENTER: [&str; 2] = ["x_mm", "below_mm"];
 /// Reads a table of `r_mm,pressure_kpa`: radii ascending from 0 or more, pressures not negative, at least two rows.
 ///
 /// # Errors
 /// When the file cannot be read or breaks one of these rules.
 pub fn read_pressure_table(path: &Path) -> Result<Vec<[f64; 2]>, DataFileError> {
-    rows(&read_limited(path, MAX_BYTES)?).map_err(|defect| defect.in_file(path))
+    rows(&read_limited(path, MAX_BYTES)?, PRESSURE).map_err(|defect| defect.in_file(path))
 }
 
-fn rows(bytes: &[u8]) -> Result<Vec<[f64; 2]>, Defect> {
+/// Reads a table of `x_mm,below_mm`: distances from an indenter's axis, ascending from 0, and how far its face lies
+/// behind its tip there, not negative, 0 on the axis; at least two rows.
+///
+/// # Errors
+/// When the file cannot be read or breaks one of these rules.
+pub fn read_indenter_table(path: &Path) -> Result<Vec<[f64; 2]>, DataFileError> {
+    indenter_rows(&read_limited(path, MAX_BYTES)?).map_err(|defect| defect.in_file(path))
+}
+
+fn indenter_rows(bytes: &[u8]) -> Result<Vec<[f64; 2]>, Defect> {
+    let rows = rows(bytes, INDENTER)?;
+    match rows.first() {
+        Some([0.0, 0.0]) => Ok(rows),
+        first => {
+            let [x, below] = first.copied().unwrap_or_default();
+            Err(Defect::new(None, format!("the first row must be the tip, 0,0, is {x},{below}")))
+        }
+    }
+}
+
+fn rows(bytes: &[u8], header: [&str; 2]) -> Result<Vec<[f64; 2]>, Defect> {
+    let [first, second] = header;
     let csv_error = |error: csv::Error| {
-        let message = "must be UTF-8 text with two columns, r_mm,pressure_kpa, in every row";
+        let message = format!("must be UTF-8 text with two columns, {first},{second}, in every row");
         Defect::new(error.position().map(line_of), message)
     };
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
-    if reader.headers().map_err(csv_error)?.iter().ne(HEADER) {
-        return Err(Defect::new(1, "must start with the line r_mm,pressure_kpa"));
+    if reader.headers().map_err(csv_error)?.iter().ne(header) {
+        return Err(Defect::new(1, format!("must start with the line {first},{second}")));
     }
     let mut rows: Vec<[f64; 2]> = Vec::new();
     for record in reader.records() {
@@ -38,11 +60,11 @@ fn rows(bytes: &[u8]) -> Result<Vec<[f64; 2]>, Defect> {
                 _ => Err(Defect::new(line, format!("{name} must be a finite number, zero or more, is {text:?}"))),
             }
         };
-        let row = [cell(0, HEADER[0])?, cell(1, HEADER[1])?];
+        let row = [cell(0, first)?, cell(1, second)?];
         if let Some(before) = rows.last()
             && row[0] <= before[0]
         {
-            return Err(Defect::new(line, format!("r_mm must ascend, is {} after {}", row[0], before[0])));
+            return Err(Defect::new(line, format!("{first} must ascend, is {} after {}", row[0], before[0])));
         }
         if rows.len() == MAX_ROWS {
             return Err(Defect::new(line, format!("must have at most {MAX_ROWS} rows")));
@@ -50,7 +72,7 @@ fn rows(bytes: &[u8]) -> Result<Vec<[f64; 2]>, Defect> {
         rows.push(row);
     }
     if rows.len() < 2 {
-        let message = format!("must have at least 2 rows of r_mm,pressure_kpa, has {}", rows.len());
+        let message = format!("must have at least 2 rows of {first},{second}, has {}", rows.len());
         return Err(Defect::new(None, message));
     }
     Ok(rows)
@@ -67,7 +89,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn read(text: &str) -> Result<Vec<[f64; 2]>, DataFileError> {
-        rows(text.as_bytes()).map_err(|defect| defect.in_file(Path::new("p.csv")))
+        rows(text.as_bytes(), PRESSURE).map_err(|defect| defect.in_file(Path::new("p.csv")))
     }
 
     #[test]
@@ -97,12 +119,20 @@ mod tests {
         }
     }
 
+    #[test]
+    fn an_indenter_starts_at_its_tip() {
+        let said = |text: &str| indenter_rows(text.as_bytes()).map_err(|defect| defect.message);
+        assert_eq!(said("x_mm,below_mm\n0,0\n2,0.1\n").unwrap(), [[0.0, 0.0], [2.0, 0.1]]);
+        assert_eq!(said("x_mm,below_mm\n0,1\n2,2\n").unwrap_err(), "the first row must be the tip, 0,0, is 0,1");
+        assert_eq!(said("r_mm,pressure_kpa\n0,0\n2,1\n").unwrap_err(), "must start with the line x_mm,below_mm");
+    }
+
     proptest! {
         #[test]
         fn no_bytes_make_the_table_reader_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
             let mut table = b"r_mm,pressure_kpa\n".to_vec();
             table.extend(bytes);
-            let _ = rows(&table);
+            let _ = rows(&table, PRESSURE);
         }
     }
 }

@@ -47,6 +47,10 @@ pub fn contact_map(loaded: &LoadedScene) -> Result<Option<ContactMap>, SurfaceEr
     let Some(contact) = &loaded.scene.touch.contact else {
         return Ok(None);
     };
+    if let Pressure::Press = contact.pressure {
+        let message = "is that of the press, which has to be computed first".into();
+        return Err(SurfaceError::Shape { key: "touch.contact.pressure", message });
+    }
     if let Pressure::Disc { radius_mm, center_mm, pressure_kpa } = contact.pressure {
         return Ok(Some(ContactMap {
             columns: 0,
@@ -100,7 +104,7 @@ fn center_mm(pressure: &Pressure) -> [f64; 2] {
         | Pressure::Hertz { center_mm, .. }
         | Pressure::Gaussian { center_mm, .. }
         | Pressure::Table { center_mm, .. } => *center_mm,
-        Pressure::Map { .. } => [0.0, 0.0],
+        Pressure::Map { .. } | Pressure::Press => [0.0, 0.0],
     }
 }
 
@@ -119,7 +123,7 @@ fn profile(loaded: &LoadedScene, pressure: &Pressure) -> Result<Profile, Surface
             let rows = super::build::read_table(loaded, file)?;
             Box::new(move |r| interpolate(&rows, r))
         }
-        Pressure::Disc { .. } | Pressure::Map { .. } => Box::new(|_| 0.0),
+        Pressure::Disc { .. } | Pressure::Map { .. } | Pressure::Press => Box::new(|_| 0.0),
     })
 }
 

@@ -41,7 +41,8 @@ pub fn model(loaded: &LoadedScene) -> Model<f64> {
 }
 
 pub fn presets() -> Vec<Case> {
-    PRESETS.iter().map(|(name, _)| Case::preset(name)).collect()
+    // Those with a press differ from `press-hertz` only in where the pressure comes from.
+    PRESETS.iter().map(|(name, _)| Case::preset(name)).filter(|case| case.loaded.scene.press.is_none()).collect()
 }
 
 /// What the presets leave out: height fields, a mesh, mirrors, a lens, a tabulated LED, contact on a deformed face.
@@ -75,6 +76,7 @@ pub fn variants() -> Vec<Case> {
                 material: None,
                 absorption_per_mm: 0.0,
                 upper_roughness: Roughness::None,
+                elastic: None,
             };
             // 1 um and 10 nm; steps of 0, 1e-7 and 1e-3; an index of 4.
             s.stack.layer = vec![

@@ -43,6 +43,8 @@ fn pressure(pressure: &Pressure, stack: &Stack) -> Result<(), Invalid> {
             extension(&format!("{key}.file"), file, &["exr", "png", "csv"])?;
             number(&format!("{key}.scale_kpa"), *scale_kpa, POSITIVE, 1.0)
         }
+        // Its rules are those of the press.
+        Pressure::Press => Ok(()),
     }
 }
 

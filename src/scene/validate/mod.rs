@@ -6,11 +6,15 @@
 mod bounds;
 mod camera;
 mod contact;
+mod elastic;
 mod led;
+mod phantom;
+mod press;
+mod scan;
 mod shape;
 mod stack;
 
-use super::{Integrator, Scene, Shape};
+use super::{Integrator, PressedSensor, ScanScene, Scene, Shape};
 use bounds::{POSITIVE, number, whole};
 
 /// A rule that a scene breaks.
@@ -41,7 +45,18 @@ pub fn validate(scene: &Scene) -> Result<(), Invalid> {
     camera::check(&scene.camera)?;
     shape::check(scene)?;
     contact::check(scene)?;
+    press::check(scene)?;
     render(scene)
+}
+
+/// Checks every rule of a scan scene.
+///
+/// # Errors
+/// The first rule that the scene breaks.
+pub fn validate_scan(scene: &ScanScene) -> Result<(), Invalid> {
+    name(&scene.name)?;
+    phantom::check(&scene.phantom)?;
+    scan::check(scene)
 }
 
 /// The name becomes a folder of the output.
@@ -67,6 +82,14 @@ fn render(scene: &Scene) -> Result<(), Invalid> {
             "splat needs a flat stack and touch.shape deforms it; use \"auto\", \"path\" or \"map\"",
         ));
     }
+    if render.integrator == Integrator::Splat
+        && scene.press.as_ref().is_some_and(|press| press.sensor == PressedSensor::Deformable)
+    {
+        return Err(Invalid::new(
+            "render.integrator",
+            "splat needs a flat stack and the press deforms it; use \"auto\", \"path\" or \"map\"",
+        ));
+    }
     whole("render.spp", render.spp.into(), 1..=1 << 24, 64)?;
     if let Some(photons) = render.photons {
         whole("render.photons", photons, 1..=1 << 40, 1 << 20)?;
@@ -84,5 +107,7 @@ fn render(scene: &Scene) -> Result<(), Invalid> {
     whole("render.height_field_points", render.height_field_points.into(), 16..=2048, 256)
 }
 
+#[cfg(test)]
+mod press_tests;
 #[cfg(test)]
 mod tests;

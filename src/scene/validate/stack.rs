@@ -1,13 +1,13 @@
 //! Rules of the stack: footprint, walls, layers, roughness.
 
-use super::Invalid;
 use super::bounds::{NOT_NEGATIVE, POSITIVE, above, number};
+use super::{Invalid, elastic};
 use crate::scene::{Layer, Roughness, Scene, Walls};
 
 /// Layers that the tracer's fixed-size interface table holds.
 const MAX_LAYERS: usize = 32;
 /// Largest extent of the stack, mm: f32 then still resolves 0.1 um.
-const MAX_EXTENT_MM: f64 = 1000.0;
+pub(super) const MAX_EXTENT_MM: f64 = 1000.0;
 /// Thinnest layer, mm (10 nm): below it a layer is no layer to geometrical optics.
 const MIN_THICKNESS_MM: f64 = 1e-5;
 
@@ -31,6 +31,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
     for (index, one) in stack.layer.iter().enumerate() {
         layer(&format!("stack.layer[{index}]"), one, wavelength_nm)?;
     }
+    elastic::check_stack(&stack.layer)?;
     if stack.height_mm() > MAX_EXTENT_MM {
         let message =
             format!("the layers must be at most {MAX_EXTENT_MM} mm thick together, are {}", stack.height_mm());

@@ -1,0 +1,187 @@
+//! From the words of a scene to materials and shapes.
+
+use super::material::{Law, Material, MaterialError, OgdenTerm, Prony};
+use super::mesh::{Footprint, InclusionShape, PhantomShape, Star};
+use crate::scene::{DataFileError, Elastic, Face, Inclusion, InclusionBody, PhantomBody, TriangleMesh, read_mesh};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The material of an elastic law.
+///
+/// # Errors
+/// When a parameter makes no sense; never for a law of a validated scene.
+pub fn material(elastic: &Elastic) -> Result<Material, MaterialError> {
+    let poisson = elastic.poisson();
+    let material = match elastic {
+        Elastic::Linear { youngs_kpa, .. } => Material::linear(*youngs_kpa, poisson),
+        Elastic::NeoHookean { youngs_kpa, .. } => Material::neo_hookean(*youngs_kpa, poisson),
+        Elastic::Yeoh { c_kpa, .. } => Material::elastic(Law::Yeoh { c_kpa: *c_kpa }, poisson),
+        Elastic::Ogden { terms, .. } => {
+            let term =
+                |term: &crate::scene::OgdenTerm| OgdenTerm { shear_kpa: term.shear_kpa, exponent: term.exponent };
+            Material::elastic(Law::Ogden { terms: terms.iter().map(term).collect() }, poisson)
+        }
+        Elastic::Exponential { modulus_kpa, exponent, .. } => {
+            Material::elastic(Law::Exponential { modulus_kpa: *modulus_kpa, exponent: *exponent }, poisson)
+        }
+    }?;
+    let relaxation = elastic.relaxation().iter().map(|term| Prony { share: term.share, time_s: term.time_s });
+    material.with_relaxation(relaxation.collect())
+}
+
+/// The outer shape of a phantom.
+pub fn phantom_shape(body: &PhantomBody) -> PhantomShape {
+    match *body {
+        PhantomBody::Cylinder { radius_mm, height_mm } => PhantomShape::Cylinder { radius_mm, height_mm },
+        PhantomBody::Block { size_mm, height_mm } => PhantomShape::Block { size_mm, height_mm },
+    }
+}
+
+/// The outline of the contact.
+pub fn footprint(face: &Face) -> Footprint {
+    match *face {
+        Face::Round { radius_mm } => Footprint::Round { radius_mm },
+        Face::Rectangle { half_widths_mm } => Footprint::Rectangle { half_widths_mm },
+    }
+}
+
+/// The shape and place of an inclusion; a mesh is read from its file, relative to `folder`.
+///
+/// # Errors
+/// When the file of a mesh cannot be read or is none.
+pub fn inclusion_shape(inclusion: &Inclusion, folder: &Path) -> Result<InclusionShape, DataFileError> {
+    let (surface, reach_mm) = match &inclusion.shape {
+        InclusionBody::Sphere { diameter_mm } => {
+            (Star::Ellipsoid { semi_axes_mm: [diameter_mm / 2.0; 3] }, diameter_mm / 2.0)
+        }
+        &InclusionBody::Ellipsoid { semi_axes_mm } => (Star::Ellipsoid { semi_axes_mm }, semi_axes_mm[2]),
+        InclusionBody::Mesh { file, scale } => {
+            let mesh = scaled(read_mesh(&folder.join(file))?, *scale);
+            let reach_mm = mesh.vertices.iter().fold(0.0, |reach: f64, vertex| reach.max(-vertex[2]));
+            (Star::Mesh(Arc::new(mesh)), reach_mm)
+        }
+    };
+    let [x, y] = inclusion.center_mm;
+    Ok(InclusionShape { center_mm: [x, y, inclusion.center_depth_mm(reach_mm)], surface })
+}
+
+fn scaled(mut mesh: TriangleMesh, scale: f64) -> TriangleMesh {
+    for coordinate in mesh.vertices.iter_mut().flatten() {
+        *coordinate *= scale;
+    }
+    mesh
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::{DepthTo, Relaxation, Scene, preset, validate};
+    use proptest::prelude::*;
+
+    fn linear() -> Elastic {
+        Elastic::Linear { youngs_kpa: 5.0, poisson: 0.4, relaxation: Vec::new() }
+    }
+
+    /// Laws with parameters on both sides of what is allowed.
+    fn elastic() -> impl Strategy<Value = Elastic> {
+        let modulus = || prop_oneof![Just(0.0), Just(-1.0), 0.01..1e3];
+        let poisson = || prop_oneof![Just(0.5), Just(0.500_001), Just(-0.01), 0.0..0.5];
+        let one = (prop_oneof![Just(1.0), -0.1..0.6], prop_oneof![Just(0.0), 0.1..10.0])
+            .prop_map(|(share, time_s)| Relaxation { share, time_s });
+        let relaxation = || proptest::collection::vec(one.clone(), 0..3);
+        let term = (-2.0..2.0, prop_oneof![Just(0.0), -3.0..3.0])
+            .prop_map(|(shear_kpa, exponent)| crate::scene::OgdenTerm { shear_kpa, exponent });
+        prop_oneof![
+            (modulus(), poisson(), relaxation()).prop_map(|(youngs_kpa, poisson, relaxation)| Elastic::Linear {
+                youngs_kpa,
+                poisson,
+                relaxation
+            }),
+            (modulus(), poisson(), relaxation()).prop_map(|(youngs_kpa, poisson, relaxation)| Elastic::NeoHookean {
+                youngs_kpa,
+                poisson,
+                relaxation
+            }),
+            ([-0.1..1.0, -2.0..1.0, -0.1..1.0], poisson(), relaxation())
+                .prop_map(|(c_kpa, poisson, relaxation)| Elastic::Yeoh { c_kpa, poisson, relaxation }),
+            (proptest::collection::vec(term, 0..3), poisson(), relaxation())
+                .prop_map(|(terms, poisson, relaxation)| Elastic::Ogden { terms, poisson, relaxation }),
+            (modulus(), modulus(), poisson(), relaxation()).prop_map(|(modulus_kpa, exponent, poisson, relaxation)| {
+                Elastic::Exponential { modulus_kpa, exponent, poisson, relaxation }
+            }),
+        ]
+    }
+
+    fn scene_with(change: impl FnOnce(&mut Scene)) -> Scene {
+        let mut scene = preset("phantom-size-8mm").unwrap().scene;
+        change(&mut scene);
+        scene
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// The rules of the scene, which name the line, and those of the materials are two: here they are one.
+        #[test]
+        fn a_scene_allows_a_material_exactly_where_it_makes_sense(elastic in elastic()) {
+            let scene = scene_with(|scene| scene.phantom.as_mut().unwrap().material = elastic.clone());
+            prop_assert_eq!(validate(&scene).is_ok(), material(&elastic).is_ok(), "{:?}", elastic);
+        }
+    }
+
+    #[test]
+    fn moduli_arrive_as_they_were_given() {
+        let relaxation = vec![Relaxation { share: 0.25, time_s: 3.0 }];
+        let soft = material(&Elastic::NeoHookean { youngs_kpa: 15.0, poisson: 0.5, relaxation }).unwrap();
+        assert!((soft.youngs_kpa() - 15.0).abs() < 1e-12 && (soft.law.shear_kpa() - 5.0).abs() < 1e-12);
+        assert_eq!(soft.relaxation, [Prony { share: 0.25, time_s: 3.0 }]);
+        assert!((soft.relaxed_shear_kpa() - 3.75).abs() < 1e-12);
+        let terms = vec![crate::scene::OgdenTerm { shear_kpa: 2.0, exponent: 3.0 }];
+        let ogden = material(&Elastic::Ogden { terms, poisson: 0.45, relaxation: Vec::new() }).unwrap();
+        assert_eq!((ogden.law.shear_kpa(), ogden.poisson), (3.0, 0.45));
+    }
+
+    #[test]
+    fn a_depth_to_the_top_and_to_the_centre_mean_the_same_place() {
+        let inclusion = |shape, depth_mm, depth_to| {
+            let one = Inclusion { shape, depth_mm, depth_to, center_mm: [1.0, -2.0], material: linear() };
+            inclusion_shape(&one, Path::new("")).unwrap().center_mm
+        };
+        let sphere = || InclusionBody::Sphere { diameter_mm: 8.0 };
+        assert_eq!(inclusion(sphere(), 5.0, DepthTo::Top), [1.0, -2.0, 9.0]);
+        assert_eq!(inclusion(sphere(), 9.0, DepthTo::Center), [1.0, -2.0, 9.0]);
+        let ellipsoid = InclusionBody::Ellipsoid { semi_axes_mm: [4.0, 3.0, 2.0] };
+        assert_eq!(inclusion(ellipsoid, 5.0, DepthTo::Top), [1.0, -2.0, 7.0]);
+    }
+
+    #[test]
+    fn a_mesh_is_scaled_and_its_top_is_its_lowest_vertex() {
+        let folder = tempfile::tempdir().unwrap();
+        let octahedron = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 3\nv 0 0 -2\n\
+                          f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
+        std::fs::write(folder.path().join("lump.obj"), octahedron).unwrap();
+        let shape = InclusionBody::Mesh { file: "lump.obj".into(), scale: 2.0 };
+        let mut one =
+            Inclusion { shape, depth_mm: 5.0, depth_to: DepthTo::Top, center_mm: [0.0; 2], material: linear() };
+        let lump = inclusion_shape(&one, folder.path()).unwrap();
+        assert_eq!(lump.center_mm, [0.0, 0.0, 9.0]);
+        let Star::Mesh(mesh) = lump.surface else { panic!("not a mesh") };
+        assert_eq!(mesh.vertices[4], [0.0, 0.0, 6.0]);
+        one.depth_to = DepthTo::Center;
+        assert_eq!(inclusion_shape(&one, folder.path()).unwrap().center_mm[2], 5.0);
+        one.shape = InclusionBody::Mesh { file: "none.obj".into(), scale: 1.0 };
+        assert_eq!(inclusion_shape(&one, folder.path()).unwrap_err().kind, "io");
+    }
+
+    #[test]
+    fn bodies_and_faces_keep_their_sizes() {
+        let cylinder = PhantomBody::Cylinder { radius_mm: 30.0, height_mm: 25.0 };
+        assert_eq!(phantom_shape(&cylinder), PhantomShape::Cylinder { radius_mm: 30.0, height_mm: 25.0 });
+        let block = PhantomBody::Block { size_mm: [60.0, 40.0], height_mm: 25.0 };
+        assert_eq!(phantom_shape(&block), PhantomShape::Block { size_mm: [60.0, 40.0], height_mm: 25.0 });
+        assert_eq!(footprint(&Face::Round { radius_mm: 15.0 }), Footprint::Round { radius_mm: 15.0 });
+        let half_widths_mm = [10.0, 20.0];
+        assert_eq!(footprint(&Face::Rectangle { half_widths_mm }), Footprint::Rectangle { half_widths_mm });
+    }
+}

@@ -1,0 +1,149 @@
+//! The press: phantom and sensor brought together.
+
+use super::{Inclusion, Phantom, PhantomBody, Stack};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the phantom is pressed against the sensor. The shape of the interfaces and the contact pressure follow from it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Press {
+    /// Displacements of the phantom's base towards the sensor from first touch, ascending, mm. Give these or `forces_n`.
+    pub depths_mm: Option<Vec<f64>>,
+    /// Total forces, ascending, N. Give these or `depths_mm`.
+    pub forces_n: Option<Vec<f64>>,
+    /// Whether the sensor gives way. Default: `deformable`.
+    pub sensor: PressedSensor,
+    /// The face of the sensor that the phantom can touch, centred on the axis. Absent: the stack's footprint.
+    pub footprint: Option<Face>,
+    /// What happens along the touching faces. Default: `frictionless`.
+    pub interface: Interface,
+    /// Rounding of a rigid sensor's edge, mm; unused where the sensor is deformable or tied. Default: 0.5.
+    pub edge_radius_mm: f64,
+    /// Dimensions of the finite elements. Default: `auto`.
+    pub dimensions: Dimensions,
+    /// Fineness of the mesh: 2 halves the size of all elements. Default: 1.
+    pub resolution: f64,
+    /// Whether a second press on a coarser mesh estimates the error. Default: true.
+    pub estimate_error: bool,
+    /// Speed of the phantom's base, mm/s; matters to materials with relaxation. Absent: so slow that all is relaxed.
+    pub rate_mm_per_s: Option<f64>,
+    /// Time for which each depth is held before it is read, s. Default: 0.
+    pub hold_s: f64,
+}
+
+impl Default for Press {
+    fn default() -> Self {
+        Self {
+            depths_mm: None,
+            forces_n: None,
+            sensor: PressedSensor::default(),
+            footprint: None,
+            interface: Interface::default(),
+            edge_radius_mm: 0.5,
+            dimensions: Dimensions::default(),
+            resolution: 1.0,
+            estimate_error: true,
+            rate_mm_per_s: None,
+            hold_s: 0.0,
+        }
+    }
+}
+
+/// Whether the sensor gives way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PressedSensor {
+    /// Its layers deform as their `elastic` says; layers without it are rigid.
+    #[default]
+    Deformable,
+    /// It stays flat.
+    Rigid,
+}
+
+/// Outline of the touched face, centred on the axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields, tag = "kind")]
+pub enum Face {
+    /// A disc.
+    Round {
+        /// Its radius, mm.
+        radius_mm: f64,
+    },
+    /// A rectangle.
+    Rectangle {
+        /// Half its widths along x and y, mm.
+        half_widths_mm: [f64; 2],
+    },
+}
+
+/// What happens along touching faces.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields, tag = "kind")]
+pub enum Interface {
+    /// They stick from the start and cannot part: sticky tissue, silicone on silicone.
+    Tied,
+    /// They slide freely and can part: wet or oiled tissue. The mildest assumption, so the default.
+    #[default]
+    Frictionless,
+    /// They slide against Coulomb friction and can part: dry tissue.
+    Coulomb {
+        /// Coefficient of friction, without unit.
+        friction: f64,
+    },
+}
+
+/// Dimensions of the finite elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Dimensions {
+    /// Two where phantom, inclusions and touched face are bodies of revolution about the axis, three otherwise.
+    #[default]
+    Auto,
+    /// Axisymmetric.
+    Two,
+    /// Three.
+    Three,
+}
+
+impl Press {
+    /// The face of the sensor that the phantom can touch.
+    pub fn face(&self, stack: &Stack) -> Face {
+        self.footprint.unwrap_or(Face::Rectangle { half_widths_mm: stack.footprint_mm.map(|extent| extent / 2.0) })
+    }
+
+    /// Why the press cannot be computed in two dimensions; `None` where phantom, inclusions and touched face are bodies
+    /// of revolution about one axis.
+    pub fn asymmetry(&self, phantom: &Phantom, stack: &Stack) -> Option<String> {
+        let on_axis = |one: &Inclusion| {
+            let round = one.shape.semi_axes_mm().is_some_and(|semi| semi[0] == semi[1]);
+            round && one.center_mm == [0.0; 2]
+        };
+        if matches!(self.face(stack), Face::Rectangle { .. }) {
+            return Some("the touched face is a rectangle".to_owned());
+        }
+        if matches!(phantom.shape, PhantomBody::Block { .. }) {
+            return Some("the phantom is a block".to_owned());
+        }
+        let odd = phantom.inclusion.iter().position(|one| !on_axis(one))?;
+        Some(format!("phantom.inclusion[{odd}] is off the axis or not round about it"))
+    }
+}
+
+impl Face {
+    /// Half the widths along x and y, mm.
+    pub fn half_widths_mm(&self) -> [f64; 2] {
+        match self {
+            Self::Round { radius_mm } => [*radius_mm; 2],
+            Self::Rectangle { half_widths_mm } => *half_widths_mm,
+        }
+    }
+
+    /// Farthest point from the axis, mm.
+    pub fn reach_mm(&self) -> f64 {
+        match self {
+            Self::Round { radius_mm } => *radius_mm,
+            Self::Rectangle { half_widths_mm: [x, y] } => x.hypot(*y),
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Rules of the press: it fits phantom and stack, and nothing else says what it computes.
+
+use super::bounds::{NOT_NEGATIVE, POSITIVE, above, number};
+use super::{Invalid, phantom};
+use crate::scene::{
+    Dimensions, Face, Inner, Interface, Phantom, PhantomBody, Press, PressedSensor, Pressure, Scene, Shape,
+};
+
+/// Depths or forces of a press; each is at least one solve.
+const MAX_LEVELS: usize = 100;
+/// Room for rounding where two outlines touch, mm.
+const TOUCHING_MM: f64 = 1e-9;
+
+pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
+    if let Some(phantom) = &scene.phantom {
+        phantom::check(phantom)?;
+    }
+    let from_press = matches!(&scene.touch.contact, Some(contact) if contact.pressure == Pressure::Press);
+    let (phantom, press) = match (&scene.phantom, &scene.press) {
+        (Some(phantom), Some(press)) => (phantom, press),
+        (Some(_), None) => {
+            let message = "nothing presses it; add [press], for example with depths_mm = [1.0]";
+            return Err(Invalid::new("phantom", message));
+        }
+        (None, Some(_)) => return Err(Invalid::new("press", "has nothing to press; add a [phantom]")),
+        (None, None) if from_press => {
+            let message = "kind \"press\" needs a [press] and a [phantom]; add them or give another kind";
+            return Err(Invalid::new("touch.contact.pressure", message));
+        }
+        (None, None) => return Ok(()),
+    };
+    touch(scene, from_press)?;
+    load(press, phantom.shape.height_mm())?;
+    if press.sensor == PressedSensor::Deformable && scene.stack.layer.iter().all(|layer| layer.elastic.is_none()) {
+        let message = "no layer of the stack has elastic, so none can deform; give it, or sensor = \"rigid\"";
+        return Err(Invalid::new("press.sensor", message));
+    }
+    face(press, scene.stack.footprint_mm, phantom)?;
+    if let Interface::Coulomb { friction } = press.interface {
+        number("press.interface.friction", friction, above(0.0, 10.0, true), 0.5)?;
+    }
+    dimensions(press, phantom, scene)?;
+    number("press.resolution", press.resolution, 0.25..=16.0, 1.0)
+}
+
+/// Shape and pressure of the touched face come from the press alone.
+fn touch(scene: &Scene, from_press: bool) -> Result<(), Invalid> {
+    if scene.touch.shape != Shape::Flat {
+        return Err(Invalid::new("touch.shape", "the press gives the shape; leave it out or use kind = \"flat\""));
+    }
+    if scene.touch.inner != Inner::Follow {
+        return Err(Invalid::new("touch.inner", "the press moves the inner interfaces; leave it out"));
+    }
+    if scene.touch.contact.is_some() && !from_press {
+        return Err(Invalid::new(
+            "touch.contact.pressure",
+            "the press gives the pressure; use pressure = { kind = \"press\" }",
+        ));
+    }
+    Ok(())
+}
+
+fn load(press: &Press, phantom_height_mm: f64) -> Result<(), Invalid> {
+    match (&press.depths_mm, &press.forces_n) {
+        (Some(depths), None) => {
+            ascending("press.depths_mm", depths, 1.0)?;
+            if let Some(deepest) = depths.last().filter(|deepest| **deepest >= phantom_height_mm) {
+                let message = format!("must be below the phantom's height of {phantom_height_mm}, reach {deepest}");
+                return Err(Invalid::new("press.depths_mm", message));
+            }
+        }
+        (None, Some(forces)) => ascending("press.forces_n", forces, 0.5)?,
+        (Some(_), Some(_)) => {
+            let message = "give depths_mm or forces_n, not both; for example depths_mm = [1.0, 2.0, 4.0]";
+            return Err(Invalid::new("press.forces_n", message));
+        }
+        (None, None) => {
+            let message = "give depths_mm or forces_n; for example depths_mm = [1.0, 2.0, 4.0]";
+            return Err(Invalid::new("press.depths_mm", message));
+        }
+    }
+    number("press.hold_s", press.hold_s, NOT_NEGATIVE, 10.0)?;
+    match press.rate_mm_per_s {
+        Some(_) if press.forces_n.is_some() => {
+            let message = "goes with depths_mm: the speed of a press by force is not known; leave it out";
+            Err(Invalid::new("press.rate_mm_per_s", message))
+        }
+        Some(rate) => number("press.rate_mm_per_s", rate, POSITIVE, 1.0),
+        None if press.hold_s > 0.0 => {
+            let message = "without rate_mm_per_s the press is slow and nothing is left to relax; give rate_mm_per_s";
+            Err(Invalid::new("press.hold_s", message))
+        }
+        None => Ok(()),
+    }
+}
+
+fn ascending(key: &str, values: &[f64], example: f64) -> Result<(), Invalid> {
+    if values.is_empty() || values.len() > MAX_LEVELS {
+        let message =
+            format!("must have from 1 to {MAX_LEVELS} values, has {}; for example [{example:?}]", values.len());
+        return Err(Invalid::new(key, message));
+    }
+    let mut before = 0.0;
+    for (index, &value) in values.iter().enumerate() {
+        let key = format!("{key}[{index}]");
+        number(&key, value, POSITIVE, example)?;
+        if value <= before {
+            return Err(Invalid::new(key, format!("must ascend, is {value} after {before}")));
+        }
+        before = value;
+    }
+    Ok(())
+}
+
+/// The touched face lies within the stack's footprint and under the phantom.
+fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), Invalid> {
+    let (half, names) = match press.footprint {
+        Some(Face::Round { radius_mm }) => ([radius_mm; 2], ["press.footprint.radius_mm"; 2]),
+        Some(Face::Rectangle { half_widths_mm }) => {
+            (half_widths_mm, ["press.footprint.half_widths_mm[0]", "press.footprint.half_widths_mm[1]"])
+        }
+        None => (footprint_mm.map(|extent| extent / 2.0), ["press.footprint"; 2]),
+    };
+    for axis in 0..2 {
+        number(names[axis], half[axis], POSITIVE, 15.0)?;
+        let room = footprint_mm[axis] / 2.0;
+        if half[axis] > room + TOUCHING_MM {
+            let message = format!("must be at most {room} to lie within stack.footprint_mm, is {}", half[axis]);
+            return Err(Invalid::new(names[axis], message));
+        }
+        if let PhantomBody::Block { size_mm, .. } = &phantom.shape
+            && half[axis] > size_mm[axis] / 2.0 + TOUCHING_MM
+        {
+            let (reach, room) = (half[axis], size_mm[axis] / 2.0);
+            let message =
+                format!("the touched face reaches {reach} mm from the axis, over the phantom's side at {room} mm");
+            return Err(Invalid::new("press.footprint", message));
+        }
+    }
+    let outline = press.footprint.unwrap_or(Face::Rectangle { half_widths_mm: half });
+    if let PhantomBody::Cylinder { radius_mm, .. } = &phantom.shape
+        && outline.reach_mm() > radius_mm + TOUCHING_MM
+    {
+        let reach = outline.reach_mm();
+        let message =
+            format!("the touched face reaches {reach} mm from the axis, over the phantom's side at {radius_mm} mm");
+        return Err(Invalid::new("press.footprint", message));
+    }
+    number("press.edge_radius_mm", press.edge_radius_mm, POSITIVE, 0.5)?;
+    let narrowest = half[0].min(half[1]);
+    let rounded = press.sensor == PressedSensor::Rigid && press.interface != Interface::Tied;
+    if rounded && press.edge_radius_mm >= narrowest {
+        let message =
+            format!("must be below half the touched face's width of {narrowest}, is {}", press.edge_radius_mm);
+        return Err(Invalid::new("press.edge_radius_mm", message));
+    }
+    Ok(())
+}
+
+fn dimensions(press: &Press, phantom: &Phantom, scene: &Scene) -> Result<(), Invalid> {
+    match press.asymmetry(phantom, &scene.stack) {
+        Some(why) if press.dimensions == Dimensions::Two => {
+            Err(Invalid::new("press.dimensions", format!("two needs bodies of revolution, and {why}; use \"auto\"")))
+        }
+        _ => Ok(()),
+    }
+}
