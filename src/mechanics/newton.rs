@@ -41,8 +41,11 @@ const ITERATIONS: usize = 40;
 const FRICTION_ROUNDS: usize = 30;
 /// Largest change of the friction's bound between rounds, as a share of its largest.
 const FRICTION_TOLERANCE: f64 = 1e-5;
-/// Newton iterations without progress before a step is given up.
-const PATIENCE: usize = 6;
+/// Newton iterations without progress in a step before it is given up.
+const PATIENCE: usize = 3;
+/// Rise of the forces' residual above its least at which a step is given up, and the least that counts.
+const RISE: f64 = 10.0;
+const WORTH: f64 = 1e-2;
 /// Halvings of a Newton step that turns an element inside out.
 const HALVINGS: usize = 10;
 /// Elements evaluated at a time.
@@ -132,14 +135,34 @@ impl<'a> Solver<'a> {
         Self { problem, equation, equations: equations as usize, prescribed, matrix: None, seconds: 0.0, iterations: 0, symbolic: 0 }
     }
 
-    /// The state at load factor `load`, from one nearby. Friction is found in rounds: each bears what the pressures of
+    /// The state at load factor `load` after the balanced state `from`, sought from `guess`. Friction is found in rounds: each bears what the pressures of
     /// the last one allow.
     ///
     /// # Errors
     /// [`StepError`] where the step is too long or the structure unstable.
-    pub fn step(&mut self, from: &State, load: f64) -> Result<State, StepError> {
+    pub fn step(&mut self, from: &State, guess: &State, load: f64) -> Result<State, StepError> {
         let seconds = self.problem.seconds_per_load.map_or(f64::INFINITY, |s| s * (load - from.load).abs());
-        self.over(from, load, seconds)
+        self.over(from, guess, load, seconds)
+    }
+
+    /// The states' line, continued to a load; `None` where it turns an element inside out.
+    pub fn extrapolated(&self, before: &State, last: &State, load: f64) -> Option<State> {
+        let share = (load - last.load) / (last.load - before.load);
+        let line = |a: f64, b: f64| b + share * (b - a);
+        let mut next = last.clone();
+        next.load = load;
+        for (next, before) in next.displacement.iter_mut().zip(&before.displacement) {
+            (0..3).for_each(|i| next[i] = line(before[i], next[i]));
+        }
+        next.pressure.iter_mut().zip(&before.pressure).for_each(|(next, before)| *next = line(*before, *next));
+        for (next, before) in next.traction.iter_mut().flatten().zip(before.traction.iter().flatten()) {
+            if next.normal > 0.0 {
+                next.normal = line(before.normal, next.normal).max(0.5 * next.normal);
+            }
+            (0..3).for_each(|i| next.vector[i] = line(before.vector[i], next.vector[i]));
+        }
+        let sound = |e| self.element(e, &next, false).is_some();
+        (share.is_finite() && (0..next.history.len()).into_par_iter().all(sound)).then_some(next)
     }
 
     /// The state after the load was held for a time, s.
@@ -147,11 +170,11 @@ impl<'a> Solver<'a> {
     /// # Errors
     /// [`StepError`].
     pub fn hold(&mut self, from: &State, seconds: f64) -> Result<State, StepError> {
-        self.over(from, from.load, seconds)
+        self.over(from, from, from.load, seconds)
     }
 
-    fn over(&mut self, from: &State, load: f64, seconds: f64) -> Result<State, StepError> {
-        let mut state = self.round(from, from, load, seconds)?;
+    fn over(&mut self, from: &State, guess: &State, load: f64, seconds: f64) -> Result<State, StepError> {
+        let mut state = self.round(from, guess, load, seconds)?;
         for _ in 0..FRICTION_ROUNDS {
             if self.renew_friction(&mut state) <= FRICTION_TOLERANCE {
                 state.history = self.remember(&state, from, seconds).ok_or(StepError::InsideOut)?;
@@ -199,6 +222,7 @@ impl<'a> Solver<'a> {
         state.load = load;
         let mut last = Balance { force: f64::INFINITY, volume: 0.0, gap: 0.0, settled: false };
         let first = self.iterations;
+        let mut first_force = f64::INFINITY;
         let (mut best, mut stale) = (f64::INFINITY, 0);
         for iteration in 0..ITERATIONS {
             let touches = self.touches(&state, &before);
@@ -211,11 +235,17 @@ impl<'a> Solver<'a> {
             if balance.holds(if iteration > 0 && off > 0.5 * best { ROUNDING } else { FORCE_TOLERANCE }) {
                 return Ok(state);
             }
+            if balance.settled {
+                first_force = first_force.min(balance.force.max(WORTH));
+                if iteration > 0 && balance.force > RISE * first_force {
+                    break;
+                }
+            }
             // The first balance is that of the last step, and contacts that open or close are progress too.
             if iteration == 0 || !balance.settled {
                 (best, stale) = (f64::INFINITY, 0);
             } else if off < 0.5 * best {
-                (best, stale) = (off, 0);
+                best = off;
             } else if stale < PATIENCE {
                 stale += 1;
             } else {

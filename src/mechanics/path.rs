@@ -40,9 +40,13 @@ pub enum PathError {
 
 /// Shortest step as a share of the longest asked one.
 const SHORTEST: f64 = 1.0 / 1024.0;
+/// Growth of the step after one that took few iterations, and after any other.
+const GROWTH: [f64; 2] = [2.0, 1.25];
+/// What few iterations are.
+const EASY: usize = 6;
 
-/// Follows the loads (increasing factors) to the last. Where a step fails, it is halved; after a success it is doubled.
-/// `observe` hears the present load factor and may stop the work.
+/// Follows the loads (increasing factors) to the last. Each step starts from the line through the last two states; where
+/// it fails, it is halved. `observe` hears the present load factor and may stop the work.
 ///
 /// # Errors
 /// [`PathError`].
@@ -53,6 +57,7 @@ pub fn follow(
     observe: &mut dyn FnMut(f64) -> bool,
 ) -> Result<State, PathError> {
     let mut state = start;
+    let mut last: Option<State> = None;
     for &target in loads {
         let whole = target - state.load;
         let mut step = whole;
@@ -60,11 +65,14 @@ pub fn follow(
             if !observe(state.load) {
                 return Err(PathError::Stopped);
             }
+            step = step.min(target - state.load);
             let next = if state.load + 1.001 * step >= target { target } else { state.load + step };
-            match solver.step(&state, next) {
+            let iterations = solver.iterations;
+            let guess = last.as_ref().and_then(|last| solver.extrapolated(last, &state, next));
+            match solver.step(&state, guess.as_ref().unwrap_or(&state), next) {
                 Ok(balanced) => {
-                    state = balanced;
-                    step *= 2.0;
+                    last = Some(std::mem::replace(&mut state, balanced));
+                    step *= GROWTH[usize::from(solver.iterations - iterations > EASY)];
                 }
                 Err(cause) if step * 0.5 < whole * SHORTEST => {
                     return Err(PathError::Stuck { reached: state.load, cause });

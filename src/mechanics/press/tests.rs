@@ -57,3 +57,12 @@ fn digits() {
     force.sensor = SensorBody::Rigid { edge_radius_mm: 0.5 };
     show("rigid frictionless", &force);
 }
+
+#[test]
+fn hard() {
+    show("7 at 3", &setup(Some(7.0), 3.0, 100.0, true, false, vec![4.0]));
+    show("14 at 5", &setup(Some(14.0), 5.0, 120.0, true, false, vec![4.0]));
+    let mut force = setup(Some(8.0), 5.0, 120.0, false, false, vec![1.0]);
+    force.grip = Grip::Frictionless;
+    show("rigid frictionless", &force);
+}
