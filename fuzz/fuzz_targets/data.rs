@@ -1,12 +1,12 @@
-//! Any bytes as one of the files that a scene names: a mesh, a lamp, a pressure table. A typed error or a value, never
-//! a panic.
+//! Any bytes as one of the files that a scene names: a mesh, a lamp, a pressure table, an indenter's shape. A typed
+//! error or a value, never a panic.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use std::path::PathBuf;
 use std::sync::LazyLock;
-use tirtouch::scene::{read_ies, read_mesh, read_pressure_table};
+use tirtouch::scene::{read_ies, read_indenter_table, read_mesh, read_pressure_table};
 
 /// The readers take paths. In memory where the system has such a folder: a million files are not for a disk.
 static SCRATCH: LazyLock<PathBuf> = LazyLock::new(|| {
@@ -28,5 +28,6 @@ fuzz_target!(|bytes: &[u8]| {
     }
     if let Some(path) = write("csv") {
         let _ = read_pressure_table(&path);
+        let _ = read_indenter_table(&path);
     }
 });

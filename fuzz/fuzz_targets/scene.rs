@@ -7,4 +7,5 @@ use std::path::Path;
 
 fuzz_target!(|text: &str| {
     let _ = tirtouch::scene::parse(text, Path::new("scene.toml"));
+    let _ = tirtouch::scene::parse_scan(text, Path::new("scene.toml"));
 });

@@ -76,7 +76,8 @@ fn scaled(mut mesh: TriangleMesh, scale: f64) -> TriangleMesh {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::scene::{DepthTo, Relaxation, Scene, preset, validate};
+    use crate::mechanics::mesh::{PhantomMesh, Resolution};
+    use crate::scene::{DepthTo, PRESETS, Phantom, Relaxation, Scene, preset, scan_preset, validate};
     use proptest::prelude::*;
 
     fn linear() -> Elastic {
@@ -172,6 +173,26 @@ mod tests {
         assert_eq!(inclusion_shape(&one, folder.path()).unwrap().center_mm[2], 5.0);
         one.shape = InclusionBody::Mesh { file: "none.obj".into(), scale: 1.0 };
         assert_eq!(inclusion_shape(&one, folder.path()).unwrap_err().kind, "io");
+    }
+
+    #[test]
+    fn every_preset_of_a_phantom_can_be_meshed() {
+        let mesh = |phantom: &Phantom, footprint, symmetry| {
+            let inclusions = phantom.inclusion.iter().map(|one| inclusion_shape(one, Path::new("")).unwrap()).collect();
+            let shape = phantom_shape(&phantom.shape);
+            PhantomMesh { shape, inclusions, footprint, symmetry, resolution: Resolution::PLANE }.build_2d().unwrap()
+        };
+        let presses = PRESETS.iter().map(|(name, _)| preset(name).unwrap().scene);
+        let presses = presses.filter_map(|scene| Some((scene.phantom?, scene.press?, scene.stack)));
+        let meshes: Vec<_> = presses
+            .map(|(phantom, press, stack)| mesh(&phantom, footprint(&press.face(&stack)), [true, true]))
+            .collect();
+        assert_eq!(meshes.len(), 9);
+        let scan = scan_preset("frames-galea").unwrap().scene;
+        let contact = Footprint::Rectangle { half_widths_mm: [scan.scan.frame_half_width_mm; 2] };
+        for mesh in meshes.iter().chain([&mesh(&scan.phantom, contact, [false, false])]) {
+            assert!(mesh.region.contains(&0) && mesh.region.contains(&1));
+        }
     }
 
     #[test]

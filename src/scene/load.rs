@@ -89,7 +89,13 @@ fn files_exist(text: &str, path: &Path, folder: &Path, files: Vec<(String, &Path
 /// # Errors
 /// When the text is no scene or breaks a rule.
 pub fn parse(text: &str, origin: &Path) -> Result<LoadedScene, SceneError> {
-    parse_as(text, origin, &schema::schema(), validate::validate)
+    parse_as(text, origin, &schema::schema(), validate::validate).map_err(|error| match error.key.as_deref() {
+        Some("scan") if error.kind == "unknown_key" => {
+            let message = "makes this a scan scene, which frames takes; here a scene of a sensor is needed".to_owned();
+            SceneError { message, ..error }
+        }
+        _ => error,
+    })
 }
 
 /// Reads a scan scene from its text, as [`parse`].

@@ -51,6 +51,17 @@ fn the_phantom_scenes_differ_in_their_inclusion_alone() {
 }
 
 #[test]
+fn a_scan_scene_is_told_from_a_scene() {
+    let error = parse(text_of("frames-galea"), Path::new("s.toml")).unwrap_err();
+    assert_eq!((error.kind, error.key.as_deref()), ("unknown_key", Some("scan")));
+    assert!(error.message.contains("which frames takes"), "{error}");
+    let error = parse_scan(text_of("tsis-paper"), Path::new("s.toml")).unwrap_err();
+    assert_eq!(error.kind, "unknown_key");
+    assert!(error.message.contains("the keys here are description, name, phantom, scan"), "{error}");
+    assert!(scan_preset("tsis-paper").unwrap_err().message.contains("frames-galea"));
+}
+
+#[test]
 fn an_unknown_preset_lists_the_known_ones() {
     let error = preset("tsis").unwrap_err();
     assert_eq!(error.kind, "unknown_preset");
@@ -179,6 +190,20 @@ proptest! {
     #[test]
     fn no_text_makes_the_parser_panic(text in "\\PC{0,200}") {
         let _ = parse(&text, Path::new("s.toml"));
+    }
+
+    #[test]
+    fn no_mutated_scan_scene_makes_the_parser_panic(
+        changes in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..6),
+    ) {
+        let mut bytes = SCAN_PRESETS[0].1.as_bytes().to_vec();
+        for (at, byte) in changes {
+            let at = at % bytes.len();
+            bytes[at] = byte;
+        }
+        if let Err(error) = parse_scan(&String::from_utf8_lossy(&bytes), Path::new("s.toml")) {
+            prop_assert_eq!(error.to_string().lines().count(), 1);
+        }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The scene: everything a user says about one sensor, as read from a TOML file.
+//! The scene: everything a user says about one sensor, or one scan (`scan.rs`), as read from a TOML file.
 //!
 //! Lengths are millimetres unless the key says otherwise. The origin is the centre of the lower face of the
 //! lowest layer (the glass); z points up, from the camera to what is touched; x runs along an image row, y against
