@@ -8,7 +8,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 
 /// The demo's scene.
-const SCENE: &str = "preset:press-hertz";
+const SCENE: &str = "preset:phantom-size-8mm";
 /// Camera paths a pixel: half a minute on two cores without a GPU.
 const SPP: u32 = 256;
 
@@ -32,7 +32,7 @@ impl Demo {
         let place = common.out.clone().unwrap_or_else(|| PathBuf::from("out/demo"));
         let own = common.out.is_none() && holds_a_report(&place);
         let folder = OutputFolder::create(&place, common.force || own)?;
-        let reading = Reading { threshold: 5.0, reference: None, calibration: None };
+        let reading = Reading { threshold: 5.0, reference: None, subtract_baseline: true, calibration: None };
         let out = whole_job(&job, &reading, &common, folder)?;
         if !(common.talk.json || common.talk.quiet) {
             print(&format!("\nOpen {} in a browser.", out.join("report.html").display()))?;

@@ -1,13 +1,14 @@
 //! `estimate`: the paper's figures of images from anywhere.
 
 use super::facts::columns;
-use super::job::Job;
+use super::job::load_scene;
 use super::measure::{Reading, grey_image, less};
 use super::run::said;
-use super::{Common, Failure, Outcome, Talk, note, print};
+use super::{Failure, Outcome, Talk, note, print};
 use crate::camera::expose;
 use crate::estimate::{Calibration, Estimates, GreyImage, PaperEstimate, Settings, Stiffness, estimate, stiffness};
 use crate::image_io::read_radiance;
+use crate::scene::Scene;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ struct Measured {
 
 impl Estimate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let camera = self.exposure.as_deref().map(|scene| Job::load(scene, &Common::default())).transpose()?;
+        let camera = self.exposure.as_deref().map(load_scene).transpose()?.map(|(loaded, _)| loaded.scene);
         let calibration = self.reading.calibration()?;
         let reference = match &self.reading.reference {
             Some(path) => Some(self.read(path, camera.as_ref())?),
@@ -64,11 +65,10 @@ impl Estimate {
     }
 
     /// Grey levels of an image; an EXR is exposed where a camera is given.
-    fn read(&self, path: &Path, camera: Option<&Job>) -> Result<GreyImage, Failure> {
+    fn read(&self, path: &Path, camera: Option<&Scene>) -> Result<GreyImage, Failure> {
         let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-        if let (true, Some(job)) = (is_exr, camera) {
+        if let (true, Some(scene)) = (is_exr, camera) {
             let (film, _) = read_radiance(path)?;
-            let scene = job.scene();
             let frame = expose(&film, &scene.camera, scene.light.wavelength_nm, scene.render.seed)
                 .map_err(|error| Failure::input(format!("{}: {error}", path.display())).in_file(path))?;
             return Ok(GreyImage::from_frame(&frame)?);

@@ -50,6 +50,9 @@ pub struct Common {
     /// Compute until the relative error is at most this.
     #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true, conflicts_with_all = ["spp", "photons"])]
     pub target_error: Option<f64>,
+    /// Press the phantom without its inclusions, on the same mesh: makes a reference frame.
+    #[arg(long)]
+    pub without_inclusions: bool,
     #[command(flatten)]
     #[allow(missing_docs)] // a doc comment here would replace the command's help
     pub talk: Talk,

@@ -3,7 +3,7 @@
 use super::facts::{columns, figure};
 use super::job::Job;
 use super::regimes::regimes;
-use super::{Common, Failure, Outcome, Talk, print};
+use super::{Failure, Outcome, Talk, print};
 use crate::optics::{acceptance_deg, critical_deg};
 use crate::surface::Surface;
 use crate::trace::{Backend, BackendChoice, Kernel, Method, Plan, Precision};
@@ -46,7 +46,7 @@ impl LayerAngles {
 
 impl Inspect {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let job = Job::load(&self.scene, &Common::default())?;
+        let job = Job::sketch(&self.scene)?;
         let kernel = Kernel::of(&job.model);
         let plan = Plan::choose(job.settings.integrator, &kernel)?;
         let device = match Backend::open(BackendChoice::Auto, Precision::F32, &job.model) {

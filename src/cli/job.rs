@@ -1,12 +1,17 @@
 //! From a scene's name to its image: the steps that the rendering commands share.
 
+use super::pressing::{Wanted, press_scene};
 use super::{Common, Failure, Progress, cancel, note};
 use crate::camera::{View, expected_electrons};
 use crate::film::Film;
 use crate::scene::{LoadedScene, PRESETS, Scene, SceneError, load, preset};
-use crate::surface::{ContactMap, Surface, SurfaceError, contact_map, surface};
+use crate::mechanics::press::{PressStep, Pressed};
+use crate::surface::{
+    ContactMap, Surface, SurfaceError, contact_map, pressed_contact, pressed_surface, surface,
+};
 use crate::trace::{Kernel, Model, Outcome, Plan, Settings, render};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 /// Before the name of a scene that comes with the program.
 const PRESET: &str = "preset:";
@@ -14,19 +19,85 @@ const PRESET: &str = "preset:";
 /// A scene ready to be traced.
 pub(super) struct Job {
     pub loaded: LoadedScene,
+    /// The press, and which of its loads is traced.
+    pub press: Option<(Rc<Pressed>, usize)>,
     pub surface: Surface,
     pub contact: Option<ContactMap>,
     pub model: Model<f64>,
     pub settings: Settings,
+    file: PathBuf,
+}
+
+/// Loads a scene file, or the preset of `preset:NAME`, and the name it goes by in messages.
+pub(super) fn load_scene(source: &Path) -> Result<(LoadedScene, PathBuf), Failure> {
+    match source.to_str().and_then(|source| source.strip_prefix(PRESET)) {
+        Some(name) => Ok((preset(name)?, PathBuf::from(format!("{name}.toml")))),
+        None => Ok((load(source).map_err(|error| with_hint(source, error))?, source.to_path_buf())),
+    }
 }
 
 impl Job {
-    /// Loads a scene file, or the preset of `preset:NAME`, and all that it names; checks that the flags suit it.
+    /// Loads a scene and all that it names, presses its phantom if it has one, and checks that the flags suit it. The job
+    /// is that of the last load.
     pub fn load(source: &Path, common: &Common) -> Result<Self, Failure> {
-        let (loaded, file) = match source.to_str().and_then(|source| source.strip_prefix(PRESET)) {
-            Some(name) => (preset(name)?, PathBuf::from(format!("{name}.toml"))),
-            None => (load(source).map_err(|error| with_hint(source, error))?, source.to_path_buf()),
+        let wanted =
+            Wanted { without_inclusions: common.without_inclusions, coarse: false, quiet: common.talk.quiet };
+        Self::prepare(source, common, wanted)
+    }
+
+    /// The same for a look at the scene: a press on a coarse mesh, without estimate of its error.
+    pub fn sketch(source: &Path) -> Result<Self, Failure> {
+        Self::prepare(source, &Common::default(), Wanted { coarse: true, quiet: true, ..Wanted::default() })
+    }
+
+    fn prepare(source: &Path, common: &Common, wanted: Wanted) -> Result<Self, Failure> {
+        let (loaded, file) = load_scene(source)?;
+        // Flags that do not suit the scene are told before the press.
+        let settings = common.settings(&loaded.scene.render)?;
+        let press = match loaded.scene.press {
+            Some(_) => Some(Rc::new(press_scene(&loaded, &file, wanted).map_err(|stopped| stopped.failure)?)),
+            None if wanted.without_inclusions => {
+                let message = format!("{}: --without-inclusions needs a scene with a [press]", file.display());
+                return Err(Failure::usage(message).in_file(&file));
+            }
+            None => None,
         };
+        let press = press.and_then(|pressed| Some((pressed.clone(), pressed.steps.len().checked_sub(1)?)));
+        Self::build(loaded, press, settings, file)
+    }
+
+    /// The job at another load of its press.
+    pub fn at_step(&self, step: usize) -> Result<Self, Failure> {
+        let press = self.press.as_ref().map(|(pressed, _)| (pressed.clone(), step));
+        Self::build(self.loaded.clone(), press, self.settings.clone(), self.file.clone())
+    }
+
+    /// The job of the same load without inclusions, with the next seed.
+    pub fn baseline(&self, quiet: bool) -> Result<Self, Failure> {
+        let file = &self.file;
+        let Some((pressed, step)) = &self.press else {
+            let message = format!("{}: there is no baseline to subtract, since the scene presses nothing", file.display());
+            return Err(Failure::usage(message).in_file(file));
+        };
+        let mut loaded = self.loaded.clone();
+        // Only the traced load, at the depth that it reached.
+        if let (Some(press), Some(step)) = (&mut loaded.scene.press, pressed.steps.get(*step)) {
+            (press.depths_mm, press.forces_n) = (Some(vec![step.depth_mm]), None);
+            press.estimate_error = false;
+        }
+        let wanted = Wanted { without_inclusions: true, coarse: false, quiet };
+        let pressed = Rc::new(press_scene(&loaded, file, wanted).map_err(|stopped| stopped.failure)?);
+        let mut settings = self.settings.clone();
+        settings.seed = settings.seed.wrapping_add(1);
+        Self::build(loaded, Some((pressed, 0)), settings, file.clone())
+    }
+
+    fn build(
+        loaded: LoadedScene,
+        press: Option<(Rc<Pressed>, usize)>,
+        settings: Settings,
+        file: PathBuf,
+    ) -> Result<Self, Failure> {
         // A shape that does not fit its stack is a mistake of the scene file.
         let place = |error: SurfaceError| match &error {
             SurfaceError::File { .. } => Failure::from(error),
@@ -34,12 +105,22 @@ impl Job {
                 Failure::input(format!("{}: {error}", file.display())).in_file(&file).at_key(*key)
             }
         };
-        let surface = surface(&loaded).map_err(place)?;
-        let contact = contact_map(&loaded).map_err(place)?;
+        let reached = press.as_ref().and_then(|(pressed, step)| Some((pressed, pressed.steps.get(*step)?)));
+        let (surface, contact) = match reached {
+            Some((pressed, step)) => {
+                (pressed_surface(&loaded, pressed, step).map_err(place)?, pressed_contact(&loaded, pressed, step))
+            }
+            None => (surface(&loaded).map_err(place)?, contact_map(&loaded).map_err(place)?),
+        };
         let model = Model::new(&loaded, &surface, contact.clone()).map_err(place)?;
-        let settings = common.settings(&loaded.scene.render)?;
         Plan::choose(settings.integrator, &Kernel::of(&model))?;
-        Ok(Self { loaded, surface, contact, model, settings })
+        Ok(Self { loaded, press, surface, contact, model, settings, file })
+    }
+
+    /// The press and the load that is traced.
+    pub fn pressed(&self) -> Option<(&Pressed, &PressStep)> {
+        let (pressed, step) = self.press.as_ref()?;
+        Some((pressed, pressed.steps.get(*step)?))
     }
 
     /// The scene.

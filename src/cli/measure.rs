@@ -16,6 +16,9 @@ pub(super) struct Reading {
     /// Image to subtract first: a frame without inclusion, or without press.
     #[arg(long, value_name = "IMAGE")]
     pub reference: Option<PathBuf>,
+    /// Subtract the frame of the same press without inclusions, made along the way (scenes with a press).
+    #[arg(long, conflicts_with = "reference")]
+    pub subtract_baseline: bool,
     /// Calibration file (TOML).
     #[arg(long, value_name = "FILE")]
     pub calibration: Option<PathBuf>,
@@ -41,6 +44,15 @@ impl Reading {
             return Err(Failure::input(message).in_file(path));
         }
         Ok(Some(image))
+    }
+
+    /// What is subtracted, if anything.
+    pub fn reference_name(&self) -> Option<String> {
+        match (&self.reference, self.subtract_baseline) {
+            (Some(path), _) => Some(path.display().to_string()),
+            (None, true) => Some("baseline.png".into()),
+            (None, false) => None,
+        }
     }
 
     /// The calibration, where one is given.

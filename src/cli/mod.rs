@@ -16,6 +16,10 @@ mod job;
 mod measure;
 mod output;
 mod page;
+mod press;
+mod press_files;
+mod press_page;
+mod pressing;
 mod progress;
 mod regimes;
 mod render;
@@ -50,6 +54,7 @@ struct CommandLine {
 enum Command {
     Demo(demo::Demo),
     Run(run::Run),
+    Press(press::Press),
     Render(render::Render),
     Estimate(estimate::Estimate),
     Compare(compare::Compare),
@@ -62,6 +67,7 @@ impl Command {
         match self {
             Self::Demo(demo) => demo.run(),
             Self::Run(run) => run.run(),
+            Self::Press(press) => press.run(),
             Self::Render(render) => render.run(),
             Self::Estimate(estimate) => estimate.run(),
             Self::Compare(compare) => compare.run(),

@@ -67,10 +67,18 @@ impl OutputFolder {
     /// # Errors
     /// When it cannot be written, as on a full disk.
     pub fn write(&self, name: &str, text: &str) -> Result<(), Failure> {
+        self.write_bytes(name, text.as_bytes())
+    }
+
+    /// Writes a file into it, down to the disk.
+    ///
+    /// # Errors
+    /// As of `write`.
+    pub fn write_bytes(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         let path = self.path(name);
         let write = || {
             let mut file = File::create(&path)?;
-            file.write_all(text.as_bytes())?;
+            file.write_all(bytes)?;
             file.sync_all()
         };
         write().map_err(|error| {

@@ -4,7 +4,8 @@ use super::facts::{figure, mean_radiance};
 use super::inspect::layers;
 use super::measure::{Figures, Reading};
 use super::regimes::regimes;
-use super::run::NO_MECHANICS;
+use super::press_files::PressPictures;
+use super::press_page::press_section;
 use super::shot::{CameraPictures, Pictures, Shot};
 use crate::estimate::Value;
 use crate::report::{Item, Report, Section, Table};
@@ -16,13 +17,19 @@ pub(super) fn report(
     reading: &Reading,
     pictures: &Pictures,
     seen: &CameraPictures,
+    press: Option<&PressPictures>,
 ) -> Report {
     let scene = shot.job.scene();
+    let mut sections = vec![camera(shot, reading, seen), estimates(figures, reading)];
+    if let (Some((pressed, _)), Some(pictures)) = (shot.job.pressed(), press) {
+        sections.push(press_section(pressed, pictures));
+    }
+    sections.extend([light(shot, pictures), stack(shot)]);
     Report {
         title: format!("tirtouch: {}", scene.name),
         summary: summary(shot, figures),
         facts: cards(shot),
-        sections: vec![camera(shot, reading, seen), estimates(figures, reading), light(shot, pictures), stack(shot)],
+        sections,
         provenance: provenance(shot),
     }
 }
@@ -54,7 +61,7 @@ fn cards(shot: &Shot) -> Vec<(String, String)> {
     ]
 }
 
-fn picture(svg: &str, alt: &str, caption: impl Into<String>) -> Item {
+pub(super) fn picture(svg: &str, alt: &str, caption: impl Into<String>) -> Item {
     Item::Picture { svg: svg.to_owned(), alt: alt.to_owned(), caption: caption.into() }
 }
 
@@ -71,7 +78,7 @@ fn camera(shot: &Shot, reading: &Reading, seen: &CameraPictures) -> Section {
         picture(&seen.false_color, "camera image in false colour", exposure),
         picture(&seen.relief, "relief of the grey levels", "The same grey levels as height."),
     ];
-    if reading.reference.is_some() {
+    if reading.reference_name().is_some() {
         items.push(Item::Text(
             "The pictures show the raw frame; the estimates are of the frame less the reference.".into(),
         ));
@@ -80,8 +87,8 @@ fn camera(shot: &Shot, reading: &Reading, seen: &CameraPictures) -> Section {
 }
 
 fn estimates(figures: &Figures, reading: &Reading) -> Section {
-    let image = match &reading.reference {
-        Some(path) => format!("the frame less {}", path.display()),
+    let image = match reading.reference_name() {
+        Some(name) => format!("the frame less {name}"),
         None => "the raw frame".to_owned(),
     };
     let mut items = vec![
@@ -95,7 +102,6 @@ fn estimates(figures: &Figures, reading: &Reading) -> Section {
         Item::from_paper(&figures.paper),
     ];
     items.extend(figures.paper.warnings.iter().cloned().map(Item::Warning));
-    items.push(Item::Text(format!("Mechanics: none; {NO_MECHANICS}.")));
     Section { title: "Estimates".into(), items }
 }
 

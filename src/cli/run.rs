@@ -1,20 +1,19 @@
 //! `run`: from a scene to estimates and a report.
 
-use super::facts::{columns, facts, interval, ledger};
+use super::facts::{columns, facts, figure, interval, ledger};
 use super::job::Job;
 use super::measure::{Figures, Reading};
 use super::page::report;
+use super::press_files::write_press;
+use super::pressing::{NO_MECHANICS, press_json, press_rows};
 use super::shot::Shot;
 use super::{Common, Failure, Outcome, OutputFolder, print};
-use crate::estimate::Value as Estimate;
+use crate::estimate::{GreyImage, Value as Estimate};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Why there are no mechanics.
-pub(super) const NO_MECHANICS: &str = "the scene prescribes shape and contact; this version presses nothing itself";
-
-/// Trace, expose and estimate: what render writes, the camera image in false colour, and report.html.
+/// Press, trace, expose and estimate: what render writes, the camera image in false colour, and report.html.
 #[derive(Debug, Args)]
 pub(super) struct Run {
     /// Scene file, or preset:NAME for a scene that comes with the program.
@@ -40,25 +39,58 @@ pub(super) fn whole_job(
     common: &Common,
     folder: OutputFolder,
 ) -> Result<PathBuf, Failure> {
-    let reference = reading.reference(job.scene().camera.pixels)?;
     let calibration = reading.calibration()?;
+    let reference = match reading.subtract_baseline {
+        true => Some(baseline(job, common, &folder)?),
+        false => reading.reference(job.scene().camera.pixels)?,
+    };
+    let earlier = earlier_loads(job, common, &folder)?;
     let shot = Shot::take(job, common.talk.quiet)?;
     let figures = reading.of_shot(&shot, reference.as_ref(), calibration.as_ref())?;
     let pictures = shot.write(&folder)?;
     let seen = shot.camera_pictures()?;
     folder.write("camera_false_color.svg", &seen.false_color)?;
     folder.write("camera_relief.svg", &seen.relief)?;
-    folder.write("report.html", &report(&shot, &figures, reading, &pictures, &seen).to_html())?;
+    let lift_mm = job.scene().stack.height_mm();
+    let press = match job.pressed() {
+        Some((pressed, _)) => Some(write_press(&job.scene().name, pressed, lift_mm, &folder)?),
+        None => None,
+    };
+    let page = report(&shot, &figures, reading, &pictures, &seen, press.as_ref());
+    folder.write("report.html", &page.to_html())?;
     let out = folder.commit()?;
-    if common.talk.json {
-        print(&json(&shot, &figures, reading, &out.display().to_string()).to_string())?;
-    } else {
-        print(&text(&shot, &figures, reading, &out.display().to_string()))?;
+    let place = out.display().to_string();
+    match common.talk.json {
+        true => print(&json(&shot, &figures, reading, &earlier, &place).to_string())?,
+        false => print(&text(&shot, &figures, reading, &place))?,
     }
     Ok(out)
 }
 
-fn json(shot: &Shot, figures: &Figures, reading: &Reading, out: &str) -> Value {
+/// The frame of the same press without inclusions, with the next seed; written as baseline.png.
+fn baseline(job: &Job, common: &Common, folder: &OutputFolder) -> Result<GreyImage, Failure> {
+    let baseline = job.baseline(common.talk.quiet)?;
+    let shot = Shot::take(&baseline, common.talk.quiet)?;
+    shot.write_frame(folder, "baseline.png")?;
+    Ok(GreyImage::from_frame(&shot.frame)?)
+}
+
+/// Frames of the loads before the last, written as camera_DEPTHmm.png.
+fn earlier_loads(job: &Job, common: &Common, folder: &OutputFolder) -> Result<Vec<Value>, Failure> {
+    let Some((pressed, _)) = job.pressed() else { return Ok(Vec::new()) };
+    let before = pressed.steps.len().saturating_sub(1);
+    let mut frames = Vec::with_capacity(before);
+    for (k, step) in pressed.steps[..before].iter().enumerate() {
+        let job = job.at_step(k)?;
+        let shot = Shot::take(&job, common.talk.quiet)?;
+        let file = format!("camera_{}mm.png", figure(step.depth_mm));
+        shot.write_frame(folder, &file)?;
+        frames.push(json!({"depth_mm": step.depth_mm, "file": file, "camera": shot.json()["camera"]}));
+    }
+    Ok(frames)
+}
+
+fn json(shot: &Shot, figures: &Figures, reading: &Reading, earlier: &[Value], out: &str) -> Value {
     let mut object = shot.json();
     if let Some(Value::Object(camera)) = object.get_mut("camera") {
         let lit = shot.frame.grey.iter().filter(|&&grey| f64::from(grey) > reading.threshold).count();
@@ -66,10 +98,15 @@ fn json(shot: &Shot, figures: &Figures, reading: &Reading, out: &str) -> Value {
     }
     let mut paper = json!(figures.paper);
     paper["threshold_grey"] = json!(reading.threshold);
-    paper["reference"] = json!(reading.reference.as_ref().map(|path| path.display().to_string()));
+    paper["reference"] = json!(reading.reference_name());
     object.insert("paper".into(), paper);
     object.insert("estimates".into(), json!(figures.estimates));
-    object.insert("mechanics".into(), json!({"undefined": NO_MECHANICS}));
+    let mechanics = match shot.job.pressed() {
+        Some((pressed, _)) => press_json(pressed),
+        None => json!({"undefined": NO_MECHANICS}),
+    };
+    object.insert("mechanics".into(), mechanics);
+    object.insert("earlier_frames".into(), json!(earlier));
     object.insert("out".into(), json!(out));
     Value::Object(object)
 }
@@ -78,9 +115,12 @@ fn text(shot: &Shot, figures: &Figures, reading: &Reading, out: &str) -> String 
     let (paper, estimates) = (&figures.paper, &figures.estimates);
     let row = |name: &str, value: String| (name.to_owned(), value);
     let mut rows = facts(shot);
+    match shot.job.pressed() {
+        Some((pressed, _)) => rows.extend(press_rows(pressed)),
+        None => rows.push(row("mechanics", format!("none: {NO_MECHANICS}"))),
+    }
     rows.extend([
         row("light", ledger(shot)),
-        row("mechanics", format!("none: {NO_MECHANICS}")),
         row(
             "lit area",
             format!("{} (threshold {} grey levels)", said(&paper.diameter_px, "pixels across"), reading.threshold),

@@ -50,15 +50,20 @@ impl<'a> Shot<'a> {
     /// Writes radiance, camera image and pictures.
     pub fn write(&self, folder: &OutputFolder) -> Result<Pictures, Failure> {
         write_radiance(&folder.path("radiance.exr"), &self.outcome.film, &self.provenance())?;
-        let Frame { width, height, bit_depth, grey } = &self.frame;
-        // A PNG has 8 or 16 bits; levels of a depth between are written as they are.
-        let png_depth = if *bit_depth > 8 { 16 } else { 8 };
-        write_png_grey(&folder.path("camera.png"), *width, *height, grey, png_depth)?;
+        self.write_frame(folder, "camera.png")?;
         let pictures = self.pictures()?;
         folder.write("radiance.svg", &pictures.radiance)?;
         folder.write("relief.svg", &pictures.relief)?;
         folder.write("side.svg", &pictures.side)?;
         Ok(pictures)
+    }
+
+    /// Writes the camera's frame.
+    pub fn write_frame(&self, folder: &OutputFolder, name: &str) -> Result<(), Failure> {
+        let Frame { width, height, bit_depth, grey } = &self.frame;
+        // A PNG has 8 or 16 bits; levels of a depth between are written as they are.
+        let png_depth = if *bit_depth > 8 { 16 } else { 8 };
+        Ok(write_png_grey(&folder.path(name), *width, *height, grey, png_depth)?)
     }
 
     fn pictures(&self) -> Result<Pictures, Failure> {

@@ -1,8 +1,14 @@
 //! From the words of a scene to materials and shapes.
 
 use super::material::{Law, Material, MaterialError, OgdenTerm, Prony};
-use super::mesh::{Footprint, InclusionShape, PhantomShape, Star};
-use crate::scene::{DataFileError, Elastic, Face, Inclusion, InclusionBody, PhantomBody, TriangleMesh, read_mesh};
+use super::contact::Grip;
+use super::kinematics::Kinematics;
+use super::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Resolution, Star};
+use super::press::{Load, PressError, SensorBody, Setup};
+use crate::scene::{
+    DataFileError, Dimensions, Elastic, Face, Inclusion, InclusionBody, Interface, LoadedScene, PhantomBody,
+    PressedSensor, Stack, TriangleMesh, read_mesh,
+};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -63,6 +69,63 @@ pub fn inclusion_shape(inclusion: &Inclusion, folder: &Path) -> Result<Inclusion
     };
     let [x, y] = inclusion.center_mm;
     Ok(InclusionShape { center_mm: [x, y, inclusion.center_depth_mm(reach_mm)], surface })
+}
+
+/// The press of a scene.
+///
+/// # Errors
+/// When the scene has none, a mesh cannot be read, or a material makes no sense.
+pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
+    let scene = &loaded.scene;
+    let (Some(phantom), Some(press)) = (&scene.phantom, &scene.press) else {
+        return Err(PressError::NoPress);
+    };
+    let flat = match press.dimensions {
+        Dimensions::Two => true,
+        Dimensions::Three => false,
+        Dimensions::Auto => press.asymmetry(phantom, &scene.stack).is_none(),
+    };
+    let inclusions = phantom.inclusion.iter().map(|one| inclusion_shape(one, &loaded.folder));
+    let inclusions = inclusions.collect::<Result<Vec<_>, _>>()?;
+    let elastics = std::iter::once(&phantom.material).chain(phantom.inclusion.iter().map(|one| &one.material));
+    let base = if flat { Resolution::PLANE } else { Resolution::SOLID };
+    Ok(Setup {
+        kinematics: if flat { Kinematics::Axisymmetric } else { Kinematics::ThreeDimensional },
+        phantom: PhantomMesh {
+            shape: phantom_shape(&phantom.shape),
+            symmetry: [0, 1].map(|axis| flat || inclusions.iter().all(|shape| is_symmetric(shape, axis))),
+            inclusions,
+            footprint: footprint(&press.face(&scene.stack)),
+            resolution: base.scaled(1.0 / press.resolution),
+        },
+        phantom_materials: elastics.map(material).collect::<Result<Vec<_>, _>>()?,
+        sensor: match press.sensor {
+            PressedSensor::Rigid => SensorBody::Rigid { edge_radius_mm: press.edge_radius_mm },
+            PressedSensor::Deformable => SensorBody::Layers(soft_layers(&scene.stack)?),
+        },
+        grip: match press.interface {
+            Interface::Tied => Grip::Bonded,
+            Interface::Frictionless => Grip::Frictionless,
+            Interface::Coulomb { friction } => Grip::Coulomb(friction),
+        },
+        load: match (&press.depths_mm, &press.forces_n) {
+            (Some(depths), _) => Load::Depths(depths.clone()),
+            (None, forces) => Load::Forces(forces.clone().unwrap_or_default()),
+        },
+        seconds_per_mm: press.rate_mm_per_s.map(|rate| 1.0 / rate),
+        hold_s: press.hold_s,
+    })
+}
+
+/// Thickness and material of the sensor's elastic layers, lowest first.
+fn soft_layers(stack: &Stack) -> Result<Vec<(f64, Material)>, MaterialError> {
+    let soft = stack.layer.iter().rev().filter_map(|layer| layer.elastic.as_ref().map(|e| (layer.thickness_mm, e)));
+    soft.map(|(thickness, elastic)| Ok((thickness, material(elastic)?))).collect()
+}
+
+/// Whether an inclusion is its own mirror image in the plane where coordinate `axis` is 0.
+fn is_symmetric(shape: &InclusionShape, axis: usize) -> bool {
+    shape.center_mm[axis] == 0.0 && matches!(shape.surface, Star::Ellipsoid { .. })
 }
 
 fn scaled(mut mesh: TriangleMesh, scale: f64) -> TriangleMesh {

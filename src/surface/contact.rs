@@ -21,7 +21,7 @@ pub struct ContactMap {
 }
 
 /// Cells of the share grid along the longer side of the footprint.
-const SHARE_CELLS: usize = 512;
+pub(super) const SHARE_CELLS: usize = 512;
 
 impl ContactLaw {
     /// Share of true contact at a pressure, 0 to 1.
@@ -73,19 +73,8 @@ fn share_grid(loaded: &LoadedScene, contact: &Contact) -> Result<ContactMap, Sur
         }
         analytic => {
             let profile = profile(loaded, analytic)?;
-            let longer = footprint[0].max(footprint[1]);
-            let count = |extent: f64| ((SHARE_CELLS as f64 * extent / longer).round() as usize).max(2);
-            let (columns, rows) = (count(footprint[0]), count(footprint[1]));
-            let at = |k: usize, n: usize, extent: f64| ((k as f64 + 0.5) / n as f64 - 0.5) * extent;
             let center = center_mm(analytic);
-            let pressure: Vec<f64> = (0..rows * columns)
-                .map(|k| {
-                    let x = at(k % columns, columns, footprint[0]) - center[0];
-                    let y = at(k / columns, rows, footprint[1]) - center[1];
-                    profile(x.hypot(y))
-                })
-                .collect();
-            (columns, rows, pressure)
+            sample(footprint, SHARE_CELLS, |x, y| profile((x - center[0]).hypot(y - center[1])))
         }
     };
     Ok(ContactMap {
@@ -96,6 +85,16 @@ fn share_grid(loaded: &LoadedScene, contact: &Contact) -> Result<ContactMap, Sur
         center_mm: [0.0, 0.0],
         radius_mm: f64::INFINITY,
     })
+}
+
+/// A quantity at the middles of the cells of the share grid: columns, rows, values.
+pub(super) fn sample(footprint: [f64; 2], cells: usize, at: impl Fn(f64, f64) -> f64) -> (usize, usize, Vec<f64>) {
+    let longer = footprint[0].max(footprint[1]);
+    let count = |extent: f64| ((cells as f64 * extent / longer).round() as usize).max(2);
+    let (columns, rows) = (count(footprint[0]), count(footprint[1]));
+    let place = |k: usize, n: usize, extent: f64| ((k as f64 + 0.5) / n as f64 - 0.5) * extent;
+    let value = |k: usize| at(place(k % columns, columns, footprint[0]), place(k / columns, rows, footprint[1]));
+    (columns, rows, (0..rows * columns).map(value).collect())
 }
 
 fn center_mm(pressure: &Pressure) -> [f64; 2] {

@@ -9,12 +9,14 @@ pub mod cap;
 pub mod contact;
 pub mod height_field;
 pub mod mesh;
+pub mod pressed;
 
 pub use build::{SurfaceError, surface};
 pub use cap::Cap;
 pub use contact::{ContactMap, contact_map};
 pub use height_field::HeightField;
 pub use mesh::Mesh;
+pub use pressed::{pressed_contact, pressed_surface};
 
 /// Shape of all interfaces of a stack.
 #[derive(Debug, Clone)]

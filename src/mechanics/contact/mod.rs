@@ -127,6 +127,11 @@ impl Contact {
         Self { kinematics, grip, counterpart, facets: local, nodes, points, spring, side }
     }
 
+    /// Nodes of each touched facet.
+    pub fn facets(&self) -> impl Iterator<Item = Vec<u32>> {
+        self.facets.iter().map(|facet| facet.iter().map(|&k| self.nodes[k as usize]).collect())
+    }
+
     /// Areas of the nodes' hats at positions `x`, to turn nominal into true tractions.
     pub fn present_areas(&self, x: &[[f64; 3]]) -> Vec<f64> {
         let mut areas = vec![0.0; self.nodes.len()];

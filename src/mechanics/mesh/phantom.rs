@@ -83,6 +83,11 @@ impl PhantomShape {
 }
 
 impl Footprint {
+    /// Half the widths along x and y, mm.
+    pub fn half_widths_mm(&self) -> [f64; 2] {
+        self.half_widths()
+    }
+
     pub(super) fn half_widths(&self) -> [f64; 2] {
         match *self {
             Self::Round { radius_mm } => [radius_mm; 2],

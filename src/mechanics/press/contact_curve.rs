@@ -6,6 +6,8 @@ use crate::mechanics::problem::{Problem, State};
 /// A node of the touched face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactPoint {
+    /// The node in the problem's mesh.
+    pub node: u32,
     /// Undeformed position, mm.
     pub reference_mm: [f64; 3],
     /// Displacement, mm.
@@ -45,6 +47,7 @@ pub fn contact_points(problem: &Problem, contact: usize, state: &State) -> Vec<C
             let shear = [0, 1, 2].map(|i| whole[i] - pressure * normal[i]);
             let stretch = if *present > 0.0 { gap.area / present } else { 1.0 };
             ContactPoint {
+                node,
                 reference_mm: problem.mesh.nodes[node as usize],
                 displacement_mm: state.displacement[node as usize],
                 pressure_kpa: pressure * stretch,

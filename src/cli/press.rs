@@ -1,0 +1,79 @@
+//! `press`: mechanics only.
+
+use super::facts::columns;
+use super::job::load_scene;
+use super::press_files::write_press;
+use super::press_page::press_report;
+use super::pressing::{PressFailure, Wanted, press_json, press_rows, press_scene};
+use super::{Failure, Outcome, OutputFolder, Talk, print};
+use crate::mechanics::press::Pressed;
+use crate::scene::LoadedScene;
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Press a scene's phantom: forces, contact.csv, deformed.vtu and pictures.
+///
+/// A press that stops early keeps the loads that it reached, in the same files, and ends with exit code 3.
+#[derive(Debug, Args)]
+pub(super) struct Press {
+    /// Scene file, or preset:NAME for a scene that comes with the program.
+    scene: PathBuf,
+    /// Output folder; out/NAME if not given.
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace an existing output folder.
+    #[arg(long)]
+    force: bool,
+    /// Press the phantom without its inclusions, on the same mesh.
+    #[arg(long)]
+    without_inclusions: bool,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+impl Press {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let (loaded, file) = load_scene(&self.scene)?;
+        let wanted = Wanted { without_inclusions: self.without_inclusions, coarse: false, quiet: self.talk.quiet };
+        let name = loaded.scene.name.clone();
+        let place = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&name));
+        let folder = OutputFolder::create(&place, self.force)?;
+        match press_scene(&loaded, &file, wanted) {
+            Ok(pressed) => self.finish(&loaded, &pressed, folder, None).map(|()| Outcome::Done),
+            Err(PressFailure { failure, reached: Some(reached) }) if !reached.steps.is_empty() => {
+                self.finish(&loaded, &reached, folder, Some(&failure))?;
+                Err(failure)
+            }
+            Err(PressFailure { failure, .. }) => Err(failure),
+        }
+    }
+
+    /// Writes what was reached; with a reason, marked as cut short.
+    fn finish(
+        &self,
+        loaded: &LoadedScene,
+        pressed: &Pressed,
+        folder: OutputFolder,
+        stopped: Option<&Failure>,
+    ) -> Result<(), Failure> {
+        let name = &loaded.scene.name;
+        let lift_mm = loaded.scene.stack.height_mm();
+        let pictures = write_press(name, pressed, lift_mm, &folder)?;
+        if let Some(failure) = stopped {
+            folder.write("STOPPED.txt", &format!("{}\nThe files hold the loads before that.\n", failure.message()))?;
+        }
+        folder.write("report.html", &press_report(loaded, pressed, &pictures, stopped).to_html())?;
+        let out = folder.commit()?.display().to_string();
+        if stopped.is_some() {
+            super::note(&format!("what was reached is in {out}"));
+            return Ok(());
+        }
+        if self.talk.json {
+            return print(&json!({"scene": name, "mechanics": press_json(pressed), "out": out}).to_string());
+        }
+        let mut rows = press_rows(pressed);
+        rows.push(("folder".into(), format!("{out}: contact.csv deformed.vtu pressure.svg report.html")));
+        print(&format!("{name}\n{}", columns(&rows)))
+    }
+}

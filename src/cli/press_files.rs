@@ -1,0 +1,147 @@
+//! Files and pictures of a press.
+
+use super::facts::figure;
+use super::pressing::setting;
+use super::{Failure, OutputFolder};
+use crate::mechanics::kinematics::Kinematics;
+use crate::mechanics::press::{PressStep, Pressed, element_least_jacobian, element_pressure};
+use crate::report::{AxisName, ColorScale, Curve, CurvePlot, CurveStyle, Raster, curve_plot, false_color};
+use crate::report::{MeshBody, MeshPicture, MeshValues, Values, Vtu, VtuError, mesh_picture};
+use crate::surface::pressed::pressure_map;
+use std::fmt::Write;
+
+/// The pictures of a press, as SVG.
+pub(super) struct PressPictures {
+    /// Deformed mesh; none in three dimensions.
+    pub mesh: Option<String>,
+    /// Contact pressure along r, or over the face in three dimensions.
+    pub pressure: String,
+}
+
+/// Writes contact.csv, deformed.vtu and the pictures.
+pub(super) fn write_press(name: &str, pressed: &Pressed, lift_mm: f64, folder: &OutputFolder) -> Result<PressPictures, Failure> {
+    folder.write("contact.csv", &contact_csv(pressed))?;
+    if let Some(step) = pressed.steps.last() {
+        folder.write_bytes("deformed.vtu", &vtu(pressed, step, lift_mm)?)?;
+    }
+    let pictures = pictures(name, pressed)?;
+    if let Some(mesh) = &pictures.mesh {
+        folder.write("mesh.svg", mesh)?;
+    }
+    folder.write("pressure.svg", &pictures.pressure)?;
+    Ok(pictures)
+}
+
+/// All loads below one another, nodes of the touched face by place.
+fn contact_csv(pressed: &Pressed) -> String {
+    let solid = pressed.setup.kinematics == Kinematics::ThreeDimensional;
+    let (place, moved) = match solid {
+        true => ("x_mm,y_mm", "displacement_x_mm,displacement_y_mm,displacement_z_mm"),
+        false => ("r_mm", "displacement_r_mm,displacement_z_mm"),
+    };
+    let mut csv = format!("depth_mm,{place},pressure_kpa,shear_kpa,gap_mm,{moved}\n");
+    for step in &pressed.steps {
+        for point in &step.points {
+            let numbers = |v: [f64; 3], count: usize| v[..count].iter().map(|c| format!("{c:.9e}")).collect::<Vec<_>>().join(",");
+            let dim = if solid { 3 } else { 2 };
+            let _ = writeln!(
+                csv,
+                "{},{},{:.9e},{:.9e},{:.9e},{}",
+                step.depth_mm,
+                numbers(point.reference_mm, dim - 1),
+                point.pressure_kpa,
+                point.shear_kpa,
+                point.gap_mm,
+                numbers(point.displacement_mm, dim)
+            );
+        }
+    }
+    csv
+}
+
+fn vtu(pressed: &Pressed, step: &PressStep, lift_mm: f64) -> Result<Vec<u8>, Failure> {
+    let problem = &pressed.assembly.problem;
+    let bodies: Vec<_> = pressed.assembly.bodies.iter().collect();
+    let wrong = |error: VtuError| Failure::failed(format!("deformed.vtu: {error}"));
+    let mut vtu = Vtu::of_bodies(&bodies, lift_mm).map_err(wrong)?;
+    vtu.point_vectors("displacement_mm", &step.state.displacement).map_err(wrong)?;
+    let size = problem.mesh.element_size();
+    let pressure = element_pressure(problem, &step.state);
+    let mean = pressure.chunks(size).map(|nodes| nodes.iter().sum::<f64>() / size as f64);
+    vtu.cell_field("pressure_kpa", 1, Values::Float(mean.collect())).map_err(wrong)?;
+    let least = element_least_jacobian(problem, &step.state);
+    vtu.cell_field("least_jacobian", 1, Values::Float(least)).map_err(wrong)?;
+    Ok(vtu.to_bytes())
+}
+
+fn pictures(name: &str, pressed: &Pressed) -> Result<PressPictures, Failure> {
+    let last = pressed.steps.last();
+    let solid = pressed.setup.kinematics == Kinematics::ThreeDimensional;
+    let mesh = match last.filter(|_| !solid) {
+        Some(step) => Some(mesh(name, pressed, step)?),
+        None => None,
+    };
+    let pressure = match last.filter(|_| solid) {
+        Some(step) => map(name, pressed, step)?,
+        None => curves(name, pressed)?,
+    };
+    Ok(PressPictures { mesh, pressure })
+}
+
+fn mesh(name: &str, pressed: &Pressed, step: &PressStep) -> Result<String, Failure> {
+    let values = element_pressure(&pressed.assembly.problem, &step.state);
+    let (mut node, mut value) = (0, 0);
+    let bodies = pressed.assembly.bodies.iter().map(|mesh| {
+        let (first_node, first_value) = (node, value);
+        (node, value) = (node + mesh.nodes.len(), value + mesh.elements.len());
+        MeshBody {
+            mesh,
+            displacement_mm: &step.state.displacement[first_node..node],
+            values: MeshValues::ElementNode(&values[first_value..value]),
+        }
+    });
+    let bodies = bodies.collect();
+    Ok(mesh_picture(&MeshPicture {
+        title: &format!("{name}: pressed by {} mm", figure(step.depth_mm)),
+        subtitle: &format!("phantom above, sensor below · {} · deformation to scale", setting(&pressed.setup)),
+        bodies,
+        values: AxisName { quantity: "pressure", unit: "kPa" },
+        range: None,
+        horizontal: "x",
+        mirrored: true,
+        view_mm: None,
+    })?)
+}
+
+fn curves(name: &str, pressed: &Pressed) -> Result<String, Failure> {
+    let curve = |step: &PressStep| {
+        let place = |point: &crate::mechanics::press::ContactPoint| point.reference_mm[0] + point.displacement_mm[0];
+        let points: Vec<[f64; 2]> = step.points.iter().map(|p| [place(p), p.pressure_kpa]).collect();
+        Curve { name: format!("{} mm", figure(step.depth_mm)), points, band: Vec::new(), style: CurveStyle::Line }
+    };
+    Ok(curve_plot(&CurvePlot {
+        title: &format!("{name}: contact pressure"),
+        subtitle: "on the deformed touched face; the edge of a tied or sharp contact is singular",
+        x: AxisName { quantity: "distance from the axis", unit: "mm" },
+        y: AxisName { quantity: "pressure", unit: "kPa" },
+        curves: pressed.steps.iter().map(curve).collect(),
+    })?)
+}
+
+/// Cells along the longer side of the pressure's picture in three dimensions.
+const MAP_CELLS: usize = 256;
+
+fn map(name: &str, pressed: &Pressed, step: &PressStep) -> Result<String, Failure> {
+    let reach = pressed.setup.phantom.footprint.half_widths_mm();
+    let (columns, rows, mut values) = pressure_map(pressed, step, reach.map(|half| 2.0 * half), MAP_CELLS);
+    values = values.chunks(columns).rev().flatten().copied().collect();
+    let raster = Raster {
+        width: columns,
+        height: rows,
+        values: &values,
+        quantity: "pressure",
+        unit: "kPa",
+        mm_per_pixel: Some(2.0 * reach[0] / columns as f64),
+    };
+    Ok(false_color(&format!("{name}: contact pressure at {} mm", figure(step.depth_mm)), &raster, ColorScale::Linear)?)
+}

@@ -1,0 +1,73 @@
+//! What a report says of a press.
+
+use super::Failure;
+use super::facts::figure;
+use super::page::picture;
+use super::press_files::PressPictures;
+use super::pressing::press_rows;
+use crate::mechanics::press::Pressed;
+use crate::report::{Item, Report, Section, Table};
+use crate::scene::LoadedScene;
+
+/// The report of `press`.
+pub(super) fn press_report(
+    loaded: &LoadedScene,
+    pressed: &Pressed,
+    pictures: &PressPictures,
+    stopped: Option<&Failure>,
+) -> Report {
+    let scene = &loaded.scene;
+    let mut section = press_section(pressed, pictures);
+    if let Some(failure) = stopped {
+        section.items.insert(0, Item::Warning(format!("The press stopped early: {}.", failure.message())));
+    }
+    let pair = |name: &str, value: String| (name.to_owned(), value);
+    let mut facts = vec![pair("unknowns", pressed.unknowns.to_string()), pair("iterations", pressed.iterations.to_string())];
+    facts.push(pair("seconds", figure(pressed.seconds)));
+    if let Some(step) = pressed.steps.last() {
+        facts.push(pair("force", format!("{} N", figure(step.force_n))));
+        facts.push(pair("peak pressure", format!("{} kPa", figure(step.peak_pressure_kpa))));
+    }
+    Report {
+        title: format!("tirtouch: {}", scene.name),
+        summary: scene.description.clone(),
+        facts,
+        sections: vec![section],
+        provenance: vec![
+            pair("scene", scene.name.clone()),
+            pair("scene's SHA-256", loaded.sha256.clone()),
+            pair("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ],
+    }
+}
+
+/// The press as a section of a report.
+pub(super) fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Section {
+    let mut items = Vec::new();
+    if let Some(mesh) = &pictures.mesh {
+        let caption = "Section through the axis after the press, coloured by mean compressive stress.";
+        items.push(picture(mesh, "deformed mesh with pressure in colour", caption));
+    }
+    let caption = "Pressure on the touched face. Force and peak are judged within 0.8 of its radius.";
+    items.push(picture(&pictures.pressure, "contact pressure", caption));
+    let percent = |share: Option<f64>| share.map_or("-".to_owned(), |share| figure(100.0 * share));
+    let rows = pressed.steps.iter().map(|step| {
+        vec![
+            figure(step.depth_mm),
+            format!("{:.4}", step.force_n),
+            format!("{:.4}", step.peak_pressure_kpa),
+            percent(step.error.map(|error| error.rms)),
+            percent(step.error.map(|error| error.force)),
+        ]
+    });
+    let columns =
+        ["depth (mm)", "force (N)", "peak pressure (kPa)", "error of pressure (% rms)", "error of force (%)"];
+    items.push(Item::Table(Table {
+        caption: "Presses; errors are estimated from a second mesh of twice the element size".into(),
+        columns: columns.map(str::to_owned).to_vec(),
+        rows: rows.collect(),
+    }));
+    let facts = press_rows(pressed);
+    items.extend(facts.first().map(|(_, text)| Item::Text(format!("Solver: {text}."))));
+    Section { title: "Press".into(), items }
+}

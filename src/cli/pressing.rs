@@ -1,0 +1,126 @@
+//! Presses a scene's phantom, and says what came of it.
+
+use super::facts::figure;
+use super::{Failure, Progress, cancel};
+use crate::mechanics::from_scene::press_setup;
+use crate::mechanics::kinematics::Kinematics;
+use crate::mechanics::path::PathError;
+use crate::mechanics::press::{PressError, PressSettings, PressStep, Pressed, Setup, press};
+use crate::scene::LoadedScene;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// Why there are no mechanics.
+pub(super) const NO_MECHANICS: &str = "the scene presses nothing: it prescribes shape and contact, or has neither";
+
+/// How a press is wanted.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Wanted {
+    /// The phantom without its inclusions, on the same mesh.
+    pub without_inclusions: bool,
+    /// Elements of twice the size and no estimate of the error: for a quick look.
+    pub coarse: bool,
+    /// No progress.
+    pub quiet: bool,
+}
+
+/// Presses, showing how far it is. Ctrl-C stops it.
+pub(super) fn press_scene(loaded: &LoadedScene, file: &Path, wanted: Wanted) -> Result<Pressed, PressFailure> {
+    let mistake = |error: &PressError| Failure::input(format!("{}: {error}", file.display())).in_file(file);
+    let setup = press_setup(loaded).map_err(|error| PressFailure::whole(mistake(&error)))?;
+    let setup = if wanted.without_inclusions { setup.without_inclusions() } else { setup };
+    let setup = if wanted.coarse { setup.halved() } else { setup };
+    let asked = loaded.scene.press.as_ref().is_some_and(|press| press.estimate_error);
+    let settings = PressSettings { estimate_error: asked && !wanted.coarse };
+    let progress = Progress::new(wanted.quiet);
+    let pressed = press(&setup, settings, &mut |stage| {
+        progress.observe(stage.done, stage.what);
+        !cancel::requested()
+    });
+    drop(progress);
+    pressed.map_err(|error| match error {
+        PressError::Stopped { cause: PathError::Stopped, .. } => PressFailure::whole(Failure::cancelled()),
+        PressError::Stopped { cause, reached } => {
+            let failure = Failure::failed(format!("{}: {cause}", file.display())).in_file(file);
+            PressFailure { failure, reached: Some(reached) }
+        }
+        error => PressFailure::whole(mistake(&error)),
+    })
+}
+
+/// A press that failed, and what it reached.
+pub(super) struct PressFailure {
+    pub failure: Failure,
+    pub reached: Option<Box<Pressed>>,
+}
+
+impl PressFailure {
+    fn whole(failure: Failure) -> Self {
+        Self { failure, reached: None }
+    }
+}
+
+/// Name of the setting.
+pub(super) fn setting(setup: &Setup) -> &'static str {
+    match setup.kinematics {
+        Kinematics::Axisymmetric => "axisymmetric",
+        Kinematics::PlaneStrain => "plane strain",
+        Kinematics::ThreeDimensional => "three dimensions",
+    }
+}
+
+/// What `--json` says of a press: its last load, and all of them under `steps`.
+pub(super) fn press_json(pressed: &Pressed) -> Value {
+    let quality = pressed.assembly.problem.mesh.quality();
+    let mut object = match pressed.steps.last() {
+        Some(step) => step_json(step),
+        None => json!({}),
+    };
+    object["setting"] = json!(setting(&pressed.setup));
+    object["iterations"] = json!(pressed.iterations);
+    object["dofs"] = json!(pressed.unknowns);
+    object["elements"] = json!(quality.elements);
+    object["least_scaled_jacobian"] = json!(quality.least_scaled_jacobian);
+    object["seconds"] = json!(pressed.seconds);
+    object["error_seconds"] = json!(pressed.error_seconds);
+    object["factor_mib"] = json!(pressed.factor_mib);
+    object["steps"] = pressed.steps.iter().map(step_json).collect();
+    object
+}
+
+fn step_json(step: &PressStep) -> Value {
+    let undefined = json!({"undefined": "press.estimate_error is off"});
+    json!({
+        "depth_mm": step.depth_mm,
+        "force_n": step.force_n,
+        "peak_pressure_kpa": step.peak_pressure_kpa,
+        "pressure_error": step.error.map_or(undefined.clone(), |error| json!(error.rms)),
+        "force_error": step.error.map_or(undefined, |error| json!(error.force)),
+    })
+}
+
+/// A press in words.
+pub(super) fn press_rows(pressed: &Pressed) -> Vec<(String, String)> {
+    let row = |name: &str, value: String| (name.to_owned(), value);
+    let mut rows = vec![row(
+        "mechanics",
+        format!(
+            "{}, {} unknowns, {} iterations, {} s and {} s for the error; factor {} MiB",
+            setting(&pressed.setup),
+            pressed.unknowns,
+            pressed.iterations,
+            figure(pressed.seconds),
+            figure(pressed.error_seconds),
+            figure(pressed.factor_mib)
+        ),
+    )];
+    rows.extend(pressed.steps.iter().map(|step| {
+        let error = match step.error {
+            Some(error) => format!(" (pressure within {} % rms)", figure(100.0 * error.rms)),
+            None => String::new(),
+        };
+        let force = format!("{} N, peak pressure {} kPa{error}", figure(step.force_n), figure(step.peak_pressure_kpa));
+        row(&format!("{} mm", figure(step.depth_mm)), force)
+    }));
+    rows
+}
