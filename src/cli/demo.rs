@@ -2,7 +2,7 @@
 
 use super::job::Job;
 use super::measure::Reading;
-use super::run::whole_job;
+use super::run::{Loads, whole_job};
 use super::{Common, Failure, Outcome, OutputFolder, print};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ impl Demo {
         let own = common.out.is_none() && holds_a_report(&place);
         let folder = OutputFolder::create(&place, common.force || own)?;
         let reading = Reading { threshold: 5.0, reference: None, subtract_baseline: true, calibration: None };
-        let out = whole_job(&job, &reading, &common, folder)?;
+        let out = whole_job(&job, &reading, &common, Loads::Last, folder)?;
         if !(common.talk.json || common.talk.quiet) {
             print(&format!("\nOpen {} in a browser.", out.join("report.html").display()))?;
         }

@@ -4,11 +4,9 @@ use super::pressing::{Wanted, press_scene};
 use super::{Common, Failure, Progress, cancel, note};
 use crate::camera::{View, expected_electrons};
 use crate::film::Film;
-use crate::scene::{LoadedScene, PRESETS, Scene, SceneError, load, preset};
 use crate::mechanics::press::{PressStep, Pressed};
-use crate::surface::{
-    ContactMap, Surface, SurfaceError, contact_map, pressed_contact, pressed_surface, surface,
-};
+use crate::scene::{LoadedScene, PRESETS, Scene, SceneError, load, preset};
+use crate::surface::{ContactMap, Surface, SurfaceError, contact_map, pressed_contact, pressed_surface, surface};
 use crate::trace::{Kernel, Model, Outcome, Plan, Settings, render};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -40,8 +38,7 @@ impl Job {
     /// Loads a scene and all that it names, presses its phantom if it has one, and checks that the flags suit it. The job
     /// is that of the last load.
     pub fn load(source: &Path, common: &Common) -> Result<Self, Failure> {
-        let wanted =
-            Wanted { without_inclusions: common.without_inclusions, coarse: false, quiet: common.talk.quiet };
+        let wanted = Wanted { without_inclusions: common.without_inclusions, coarse: false, quiet: common.talk.quiet };
         Self::prepare(source, common, wanted)
     }
 
@@ -76,7 +73,8 @@ impl Job {
     pub fn baseline(&self, quiet: bool) -> Result<Self, Failure> {
         let file = &self.file;
         let Some((pressed, step)) = &self.press else {
-            let message = format!("{}: there is no baseline to subtract, since the scene presses nothing", file.display());
+            let message =
+                format!("{}: there is no baseline to subtract, since the scene presses nothing", file.display());
             return Err(Failure::usage(message).in_file(file));
         };
         let mut loaded = self.loaded.clone();

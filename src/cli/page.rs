@@ -3,9 +3,9 @@
 use super::facts::{figure, mean_radiance};
 use super::inspect::layers;
 use super::measure::{Figures, Reading};
-use super::regimes::regimes;
 use super::press_files::PressPictures;
 use super::press_page::press_section;
+use super::regimes::regimes;
 use super::shot::{CameraPictures, Pictures, Shot};
 use crate::estimate::Value;
 use crate::report::{Item, Report, Section, Table};

@@ -19,7 +19,12 @@ pub(super) struct PressPictures {
 }
 
 /// Writes contact.csv, deformed.vtu and the pictures.
-pub(super) fn write_press(name: &str, pressed: &Pressed, lift_mm: f64, folder: &OutputFolder) -> Result<PressPictures, Failure> {
+pub(super) fn write_press(
+    name: &str,
+    pressed: &Pressed,
+    lift_mm: f64,
+    folder: &OutputFolder,
+) -> Result<PressPictures, Failure> {
     folder.write("contact.csv", &contact_csv(pressed))?;
     if let Some(step) = pressed.steps.last() {
         folder.write_bytes("deformed.vtu", &vtu(pressed, step, lift_mm)?)?;
@@ -42,7 +47,8 @@ fn contact_csv(pressed: &Pressed) -> String {
     let mut csv = format!("depth_mm,{place},pressure_kpa,shear_kpa,gap_mm,{moved}\n");
     for step in &pressed.steps {
         for point in &step.points {
-            let numbers = |v: [f64; 3], count: usize| v[..count].iter().map(|c| format!("{c:.9e}")).collect::<Vec<_>>().join(",");
+            let numbers =
+                |v: [f64; 3], count: usize| v[..count].iter().map(|c| format!("{c:.9e}")).collect::<Vec<_>>().join(",");
             let dim = if solid { 3 } else { 2 };
             let _ = writeln!(
                 csv,
@@ -119,12 +125,15 @@ fn curves(name: &str, pressed: &Pressed) -> Result<String, Failure> {
         let points: Vec<[f64; 2]> = step.points.iter().map(|p| [place(p), p.pressure_kpa]).collect();
         Curve { name: format!("{} mm", figure(step.depth_mm)), points, band: Vec::new(), style: CurveStyle::Line }
     };
+    let peak = pressed.steps.iter().map(|step| step.peak_pressure_kpa).fold(0.0, f64::max);
     Ok(curve_plot(&CurvePlot {
         title: &format!("{name}: contact pressure"),
         subtitle: "on the deformed touched face; the edge of a tied or sharp contact is singular",
         x: AxisName { quantity: "distance from the axis", unit: "mm" },
         y: AxisName { quantity: "pressure", unit: "kPa" },
         curves: pressed.steps.iter().map(curve).collect(),
+        // The singular edge would press all else to the floor.
+        highest: Some(1.6 * peak).filter(|highest| *highest > 0.0),
     })?)
 }
 

@@ -22,7 +22,8 @@ pub(super) fn press_report(
         section.items.insert(0, Item::Warning(format!("The press stopped early: {}.", failure.message())));
     }
     let pair = |name: &str, value: String| (name.to_owned(), value);
-    let mut facts = vec![pair("unknowns", pressed.unknowns.to_string()), pair("iterations", pressed.iterations.to_string())];
+    let mut facts =
+        vec![pair("unknowns", pressed.unknowns.to_string()), pair("iterations", pressed.iterations.to_string())];
     facts.push(pair("seconds", figure(pressed.seconds)));
     if let Some(step) = pressed.steps.last() {
         facts.push(pair("force", format!("{} N", figure(step.force_n))));
@@ -60,8 +61,7 @@ pub(super) fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Sect
             percent(step.error.map(|error| error.force)),
         ]
     });
-    let columns =
-        ["depth (mm)", "force (N)", "peak pressure (kPa)", "error of pressure (% rms)", "error of force (%)"];
+    let columns = ["depth (mm)", "force (N)", "peak pressure (kPa)", "error of pressure (% rms)", "error of force (%)"];
     items.push(Item::Table(Table {
         caption: "Presses; errors are estimated from a second mesh of twice the element size".into(),
         columns: columns.map(str::to_owned).to_vec(),

@@ -28,8 +28,17 @@ impl Run {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let job = Job::load(&self.scene, &self.common)?;
         let folder = OutputFolder::create(&self.common.destination(&job.scene().name), self.common.force)?;
-        whole_job(&job, &self.reading, &self.common, folder).map(|_| Outcome::Done)
+        whole_job(&job, &self.reading, &self.common, Loads::All, folder).map(|_| Outcome::Done)
     }
+}
+
+/// Loads of a press that are traced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Loads {
+    /// Each one.
+    All,
+    /// The last.
+    Last,
 }
 
 /// Does the whole job, writes its folder and prints its figures; gives the folder's place.
@@ -37,6 +46,7 @@ pub(super) fn whole_job(
     job: &Job,
     reading: &Reading,
     common: &Common,
+    loads: Loads,
     folder: OutputFolder,
 ) -> Result<PathBuf, Failure> {
     let calibration = reading.calibration()?;
@@ -44,7 +54,10 @@ pub(super) fn whole_job(
         true => Some(baseline(job, common, &folder)?),
         false => reading.reference(job.scene().camera.pixels)?,
     };
-    let earlier = earlier_loads(job, common, &folder)?;
+    let earlier = match loads {
+        Loads::All => earlier_loads(job, common, &folder)?,
+        Loads::Last => Vec::new(),
+    };
     let shot = Shot::take(job, common.talk.quiet)?;
     let figures = reading.of_shot(&shot, reference.as_ref(), calibration.as_ref())?;
     let pictures = shot.write(&folder)?;

@@ -1,8 +1,8 @@
 //! From the words of a scene to materials and shapes.
 
-use super::material::{Law, Material, MaterialError, OgdenTerm, Prony};
 use super::contact::Grip;
 use super::kinematics::Kinematics;
+use super::material::{Law, Material, MaterialError, OgdenTerm, Prony};
 use super::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Resolution, Star};
 use super::press::{Load, PressError, SensorBody, Setup};
 use crate::scene::{

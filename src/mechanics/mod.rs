@@ -12,10 +12,10 @@ pub mod kinematics;
 pub mod material;
 pub mod mesh;
 pub mod newton;
+#[cfg(test)]
+mod newton_tests;
 pub mod path;
 pub mod press;
 pub mod problem;
 pub mod solid;
 pub mod sparse;
-#[cfg(test)]
-mod newton_tests;

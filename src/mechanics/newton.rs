@@ -55,7 +55,9 @@ const CHUNK: usize = 512;
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum StepError {
     /// The iterations did not settle.
-    #[error("no balance after {iterations} iterations: forces off by {force:.1e} of their size, volume by {volume:.1e}, contact by {gap:.1e} mm")]
+    #[error(
+        "no balance after {iterations} iterations: forces off by {force:.1e} of their size, volume by {volume:.1e}, contact by {gap:.1e} mm"
+    )]
     Diverged {
         /// Iterations.
         iterations: usize,
@@ -88,10 +90,7 @@ struct Balance {
 
 impl Balance {
     fn holds(&self, force: f64) -> bool {
-        self.settled
-            && self.force <= force
-            && self.volume <= VOLUME_TOLERANCE
-            && self.gap <= GAP_TOLERANCE
+        self.settled && self.force <= force && self.volume <= VOLUME_TOLERANCE && self.gap <= GAP_TOLERANCE
     }
 }
 
@@ -132,7 +131,16 @@ impl<'a> Solver<'a> {
             *e = equations;
             equations += 1;
         }
-        Self { problem, equation, equations: equations as usize, prescribed, matrix: None, seconds: 0.0, iterations: 0, symbolic: 0 }
+        Self {
+            problem,
+            equation,
+            equations: equations as usize,
+            prescribed,
+            matrix: None,
+            seconds: 0.0,
+            iterations: 0,
+            symbolic: 0,
+        }
     }
 
     /// The state at load factor `load` after the balanced state `from`, sought from `guess`. Friction is found in rounds: each bears what the pressures of
@@ -229,7 +237,10 @@ impl<'a> Solver<'a> {
             let (systems, balance) = self.evaluate(&state, &touches)?;
             last = balance;
             if std::env::var_os("TT_TRACE").is_some() {
-                eprintln!("  load {load:.4} {balance:?} active {}", touches.iter().flat_map(|t| &t.nodes).filter(|t| t.spring[0] > 0.0).count());
+                eprintln!(
+                    "  load {load:.4} {balance:?} active {}",
+                    touches.iter().flat_map(|t| &t.nodes).filter(|t| t.spring[0] > 0.0).count()
+                );
             }
             let off = balance.force + balance.volume;
             if balance.holds(if iteration > 0 && off > 0.5 * best { ROUNDING } else { FORCE_TOLERANCE }) {
@@ -255,7 +266,12 @@ impl<'a> Solver<'a> {
             let change = self.solve(&state, &systems, &touches)?;
             state = self.advance(&state, &systems, &touches, &change)?;
         }
-        Err(StepError::Diverged { iterations: self.iterations - first, force: last.force, volume: last.volume, gap: last.gap })
+        Err(StepError::Diverged {
+            iterations: self.iterations - first,
+            force: last.force,
+            volume: last.volume,
+            gap: last.gap,
+        })
     }
 
     /// The problem.
@@ -395,7 +411,9 @@ impl<'a> Solver<'a> {
             let column = self.equation[column];
             for (i, &row) in unknowns.iter().enumerate() {
                 let row = self.equation[row];
-                if row >= column && row != HELD && column != HELD
+                if row >= column
+                    && row != HELD
+                    && column != HELD
                     && let Some(place) = matrix.position(row, column)
                 {
                     matrix.values[place] += stiffness[i * n + j];
@@ -408,7 +426,9 @@ impl<'a> Solver<'a> {
         let dim = self.problem.kinematics.dim();
         let mut add = |row: u32, i: usize, column: u32, j: usize, value: f64| {
             let (row, column) = (self.equation[row as usize * dim + i], self.equation[column as usize * dim + j]);
-            if row >= column && row != HELD && column != HELD
+            if row >= column
+                && row != HELD
+                && column != HELD
                 && let Some(place) = matrix.position(row, column)
             {
                 matrix.values[place] += value;
@@ -575,7 +595,8 @@ fn moved(gap: &NodeGap, change: &[f64], dim: usize) -> (f64, [f64; 3]) {
 /// Projector on the face where slip is tangential; the identity for bonded faces.
 fn tangential(gap: &NodeGap, unilateral: bool) -> [[f64; 3]; 3] {
     let square: f64 = gap.normal.iter().map(|n| n * n).sum();
-    let keep = |i: usize, j: usize| if unilateral && square > 0.0 { gap.normal[i] * gap.normal[j] / square } else { 0.0 };
+    let keep =
+        |i: usize, j: usize| if unilateral && square > 0.0 { gap.normal[i] * gap.normal[j] / square } else { 0.0 };
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| f64::from(i == j) - keep(i, j)))
 }
 

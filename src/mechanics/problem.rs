@@ -1,8 +1,8 @@
 //! A boundary value problem and its states.
 
 use super::contact::Contact;
-use super::kinematics::Kinematics;
 use super::element::quadrature;
+use super::kinematics::Kinematics;
 use super::material::{History, Material};
 use super::mesh::Mesh;
 

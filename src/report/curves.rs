@@ -41,6 +41,8 @@ pub struct CurvePlot<'a> {
     pub y: AxisName<'a>,
     /// The curves.
     pub curves: Vec<Curve>,
+    /// Greatest value shown; curves are cut off there. Absent: everything.
+    pub highest: Option<f64>,
 }
 
 /// Size of the plot, pixels.
@@ -63,19 +65,21 @@ pub fn curve_plot(plot: &CurvePlot) -> Result<String, PictureError> {
     let axes = Axes {
         area: [86.0, 76.0, SIZE[0], SIZE[1]],
         low: [left, if bottom < 0.0 { bottom - room } else { 0.0 }],
-        high: [right, if top > 0.0 { top + room } else { top }],
+        high: [right, plot.highest.unwrap_or(if top > 0.0 { top + room } else { top })],
     };
     let keys: Vec<Key> = plot.curves.iter().enumerate().filter(|(_, c)| !c.name.is_empty()).map(key).collect();
     let legend_top = 76.0 + SIZE[1] + 68.0;
     let height = legend_top + axes::legend_height(&keys, SIZE[0]);
     let mut svg = Svg::new(86.0 + SIZE[0] + 30.0, height, plot.title, plot.subtitle);
     axes.grid(&mut svg);
+    svg.clip(axes.area);
     for (i, curve) in plot.curves.iter().enumerate() {
         draw_band(&mut svg, &axes, curve, color(i));
     }
     for (i, curve) in plot.curves.iter().enumerate() {
         draw_curve(&mut svg, &axes.polyline(&curve.points), curve.style, color(i));
     }
+    svg.end_clip();
     axes.scales(&mut svg, plot.x, plot.y);
     axes::legend(&mut svg, &keys, [86.0, legend_top], SIZE[0]);
     Ok(svg.finish())
@@ -148,6 +152,7 @@ mod tests {
                 curve("Hertz", closed, vec![], CurveStyle::Dashed),
                 curve("softer, with its error", soft, band, CurveStyle::Line),
             ],
+            highest: None,
         }
     }
 

@@ -75,9 +75,8 @@ struct Face {
 impl Face {
     fn new(pressed: &Pressed, facets: Vec<(Vec<[f64; 2]>, Vec<f64>)>) -> Self {
         let bound = |(nodes, _): &(Vec<[f64; 2]>, Vec<f64>)| {
-            let fold = |start: f64, pick: fn(f64, f64) -> f64| {
-                [0, 1].map(|i| nodes.iter().map(|x| x[i]).fold(start, pick))
-            };
+            let fold =
+                |start: f64, pick: fn(f64, f64) -> f64| [0, 1].map(|i| nodes.iter().map(|x| x[i]).fold(start, pick));
             [fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max)]
         };
         Self {
@@ -92,7 +91,8 @@ impl Face {
     fn of_layer(pressed: &Pressed, sensor: &Mesh, moved: &[[f64; 3]], region: u32) -> Self {
         let up = sensor.dim - 1;
         let top = 3usize.pow(up as u32) * 2;
-        let highest = |e: usize| sensor.element(e).iter().map(|&a| sensor.nodes[a as usize][up]).fold(f64::MIN, f64::max);
+        let highest =
+            |e: usize| sensor.element(e).iter().map(|&a| sensor.nodes[a as usize][up]).fold(f64::MIN, f64::max);
         let layer: Vec<usize> = (0..sensor.element_count()).filter(|&e| sensor.region[e] == region).collect();
         let level = layer.iter().map(|&e| highest(e)).fold(f64::MIN, f64::max);
         let at_level = |e: &usize| (highest(*e) - level).abs() < 1e-9 * (1.0 + level.abs());

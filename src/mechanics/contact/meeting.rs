@@ -91,13 +91,7 @@ impl Meeting<'_> {
 
     /// At a closed gap, -(E D + D E + k D D) with D the motion of the foot along the face, E the turning of the face and k
     /// its curvature (Wriggers 2006, Computational Contact Mechanics, ch. 6).
-    fn face_second(
-        &self,
-        bend: &Bend,
-        own: &[u32],
-        shape: &[f64; 9],
-        add: &mut dyn FnMut(u32, u32, [[f64; 3]; 3]),
-    ) {
+    fn face_second(&self, bend: &Bend, own: &[u32], shape: &[f64; 9], add: &mut dyn FnMut(u32, u32, [[f64; 3]; 3])) {
         let counter = self.nodes.iter().enumerate().map(|(a, &node)| (node, -self.value[a], bend.gradient[a]));
         let movers: Vec<(u32, [[f64; 3]; 2], [[f64; 3]; 2])> = own
             .iter()

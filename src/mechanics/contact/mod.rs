@@ -136,8 +136,7 @@ impl Contact {
     pub fn present_areas(&self, x: &[[f64; 3]]) -> Vec<f64> {
         let mut areas = vec![0.0; self.nodes.len()];
         for (k, facet) in self.facets.iter().enumerate() {
-            let positions: Vec<[f64; 3]> =
-                facet.iter().map(|&place| x[self.nodes[place as usize] as usize]).collect();
+            let positions: Vec<[f64; 3]> = facet.iter().map(|&place| x[self.nodes[place as usize] as usize]).collect();
             for point in touch_points(self.kinematics, k, &positions) {
                 for (&place, &hat) in facet.iter().zip(&point.hat) {
                     areas[place as usize] += hat * point.weight;
@@ -147,4 +146,3 @@ impl Contact {
         areas
     }
 }
-

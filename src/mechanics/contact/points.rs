@@ -25,10 +25,8 @@ pub fn radius(positions: &[[f64; 3]], point: &TouchPoint) -> f64 {
 /// Three Gauss points along each half of each axis of a facet, with the hats of its lattice.
 pub fn touch_points(kinematics: Kinematics, facet: usize, positions: &[[f64; 3]]) -> Vec<TouchPoint> {
     let axes = kinematics.dim() - 1;
-    let line: Vec<[f64; 2]> = [-0.5, 0.5]
-        .iter()
-        .flat_map(|middle| GAUSS_3.map(|[at, weight]| [middle + 0.5 * at, 0.5 * weight]))
-        .collect();
+    let line: Vec<[f64; 2]> =
+        [-0.5, 0.5].iter().flat_map(|middle| GAUSS_3.map(|[at, weight]| [middle + 0.5 * at, 0.5 * weight])).collect();
     let hats = |xi: f64| [(-xi).max(0.0), 1.0 - xi.abs(), xi.max(0.0)];
     (0..line.len().pow(axes as u32))
         .map(|q| {

@@ -92,7 +92,8 @@ impl Face<'_> {
         }
         let shape = Shape::at(axes, xi);
         let (foot, tangents) = self.place(nodes, &shape);
-        let mut normal = if axes == 1 { [-tangents[0][1], tangents[0][0], 0.0] } else { cross(tangents[0], tangents[1]) };
+        let mut normal =
+            if axes == 1 { [-tangents[0][1], tangents[0][0], 0.0] } else { cross(tangents[0], tangents[1]) };
         let length = dot(normal, normal).sqrt() * dot(normal, self.outward).signum();
         normal = normal.map(|c| c / length);
         let mut value = [0.0; 9];

@@ -45,12 +45,21 @@ impl Assembly {
                     symmetry: setup.phantom.symmetry,
                     resolution: setup.phantom.resolution,
                 };
-                let sensor =
-                    if flat { sensor.build_2d(Some(&setup.phantom))? } else { sensor.build_3d(Some(&setup.phantom))? };
+                let sensor = if flat {
+                    sensor.build_2d(Some(&setup.phantom))?
+                } else {
+                    sensor.build_3d(Some(&setup.phantom))?
+                };
                 let face = mesh.boundary_facets(Boundary::Touched);
                 let face = face.into_iter().filter(|&facet| within(&mesh, facet, MARGIN * reach(setup)));
                 let face: Vec<Vec<u32>> = face.map(|facet| mesh.facet_nodes(facet)).collect();
-                supports.extend(self::supports(&sensor, mesh.nodes.len() as u32, setup.kinematics, Boundary::Base, 0.0));
+                supports.extend(self::supports(
+                    &sensor,
+                    mesh.nodes.len() as u32,
+                    setup.kinematics,
+                    Boundary::Base,
+                    0.0,
+                ));
                 let first = append(&mut mesh, &sensor, materials.len() as u32);
                 materials.extend(layers.iter().map(|(_, material)| material.clone()));
                 let facets = sensor.boundary_facets(Boundary::Touched);

@@ -76,7 +76,8 @@ pub fn press(
     let mut pressed = press_once(setup, &mut |done| observe(PressStage { done: share * done, what: "pressing" }))?;
     if settings.estimate_error {
         let start = Instant::now();
-        let observe = &mut |done| observe(PressStage { done: share + (1.0 - share) * done, what: "estimating the error" });
+        let observe =
+            &mut |done| observe(PressStage { done: share + (1.0 - share) * done, what: "estimating the error" });
         error_estimate::estimate(&mut pressed, observe)?;
         pressed.error_seconds = start.elapsed().as_secs_f64();
     }
@@ -95,8 +96,7 @@ pub(super) fn press_once(setup: &Setup, observe: &mut dyn FnMut(f64) -> bool) ->
     let unknowns = assembly.problem.unknowns();
     let seconds = start.elapsed().as_secs_f64();
     let setup = setup.clone();
-    let pressed =
-        Pressed { setup, assembly, steps, unknowns, iterations, seconds, error_seconds: 0.0, factor_mib };
+    let pressed = Pressed { setup, assembly, steps, unknowns, iterations, seconds, error_seconds: 0.0, factor_mib };
     match outcome {
         Ok(()) => Ok(pressed),
         Err(cause) => Err(PressError::Stopped { cause, reached: Box::new(pressed) }),
