@@ -13,6 +13,7 @@ pub mod mesh;
 pub mod newton;
 pub mod path;
 pub mod problem;
+pub mod read_out;
 pub mod solid;
 pub mod sparse;
 #[cfg(test)]
