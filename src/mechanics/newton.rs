@@ -1,6 +1,6 @@
 //! Newton's method over displacement, pressure and contact traction.
 
-use super::contact::{Grip, NodeGap, SPRING};
+use super::contact::{Coupling, Grip, NodeGap, Positions, SPRING};
 use super::problem::{Problem, State, Traction};
 use super::solid::{ElementSystem, element_system};
 use super::sparse::{SparseCholesky, SparseError};
@@ -34,6 +34,10 @@ const VOLUME_TOLERANCE: f64 = 1e-9;
 const GAP_TOLERANCE: f64 = 1e-8;
 /// Newton iterations of one load step.
 const ITERATIONS: usize = 40;
+/// Rounds of friction in a step.
+const FRICTION_ROUNDS: usize = 30;
+/// Largest change of the friction's bound between rounds, as a share of its largest.
+const FRICTION_TOLERANCE: f64 = 1e-5;
 /// Newton iterations without progress before a step is given up.
 const PATIENCE: usize = 6;
 /// Halvings of a Newton step that turns an element inside out.
@@ -56,6 +60,9 @@ pub enum StepError {
         /// Largest gap in contact, mm.
         gap: f64,
     },
+    /// The rounds of friction did not settle.
+    #[error("the friction does not settle")]
+    Friction,
     /// An element turned inside out however short the step.
     #[error("an element turns inside out")]
     InsideOut,
@@ -80,6 +87,13 @@ impl Balance {
             && self.volume <= VOLUME_TOLERANCE
             && self.gap <= GAP_TOLERANCE
     }
+}
+
+/// A contact in a state.
+struct Touching {
+    nodes: Vec<Touch>,
+    /// Stiffness from the bending of the gaps under pressure.
+    stiffness: Vec<Coupling>,
 }
 
 /// What a touched node does in a state.
@@ -115,13 +129,41 @@ impl<'a> Solver<'a> {
         Self { problem, equation, equations: equations as usize, prescribed, matrix: None, iterations: 0, symbolic: 0 }
     }
 
-    /// The state at load factor `load`, from one nearby.
+    /// The state at load factor `load`, from one nearby. Friction is found in rounds: each bears what the pressures of
+    /// the last one allow.
     ///
     /// # Errors
     /// [`StepError`] where the step is too long or the structure unstable.
     pub fn step(&mut self, from: &State, load: f64) -> Result<State, StepError> {
+        let mut state = self.round(from, from, load)?;
+        for _ in 0..FRICTION_ROUNDS {
+            if self.renew_friction(&mut state) <= FRICTION_TOLERANCE {
+                return Ok(state);
+            }
+            state = self.round(from, &state, load)?;
+        }
+        Err(StepError::Friction)
+    }
+
+    /// Sets the bounds of friction from the pressures; the largest change as a share of the largest bound.
+    fn renew_friction(&self, state: &mut State) -> f64 {
+        let (mut change, mut largest) = (0.0f64, f64::MIN_POSITIVE);
+        for (contact, list) in self.problem.contacts.iter().zip(&mut state.traction) {
+            let Grip::Coulomb(friction) = contact.grip else { continue };
+            for traction in list {
+                let bound = friction * traction.normal.max(0.0);
+                change = change.max((bound - traction.bound).abs());
+                largest = largest.max(bound);
+                traction.bound = bound;
+            }
+        }
+        change / largest
+    }
+
+    /// Newton's method from the guess `start`, with slip counted from the state `from`.
+    fn round(&mut self, from: &State, start: &State, load: f64) -> Result<State, StepError> {
         let before = self.problem.positions(from);
-        let mut state = from.clone();
+        let mut state = start.clone();
         state.load = load;
         let mut last = Balance { force: f64::INFINITY, volume: 0.0, gap: 0.0, settled: false };
         let first = self.iterations;
@@ -131,7 +173,7 @@ impl<'a> Solver<'a> {
             let (systems, balance) = self.evaluate(&state, &touches)?;
             last = balance;
             if std::env::var_os("TT_TRACE").is_some() {
-                eprintln!("  load {load:.4} {balance:?} active {}", touches.iter().flatten().filter(|t| t.spring[0] > 0.0).count());
+                eprintln!("  load {load:.4} {balance:?} active {}", touches.iter().flat_map(|t| &t.nodes).filter(|t| t.spring[0] > 0.0).count());
             }
             let off = balance.force + balance.volume;
             if balance.holds(if iteration > 0 && off > 0.5 * best { ROUNDING } else { FORCE_TOLERANCE }) {
@@ -168,25 +210,23 @@ impl<'a> Solver<'a> {
         element_system(self.problem.kinematics, &nodes, &displacement, pressure, material, tangent)
     }
 
-    fn touches(&self, state: &State, before: &[[f64; 3]]) -> Vec<Vec<Touch>> {
-        let x = self.problem.positions(state);
-        let reference = &self.problem.mesh.nodes;
-        self.problem
-            .contacts
-            .iter()
-            .zip(&state.traction)
+    fn touches(&self, state: &State, before: &[[f64; 3]]) -> Vec<Touching> {
+        let now = self.problem.positions(state);
+        let at = Positions { reference: &self.problem.mesh.nodes, before, now: &now };
+        let contacts = self.problem.contacts.iter().zip(&state.traction);
+        contacts
             .map(|(contact, traction)| {
-                let gaps = contact.gaps(&x, before, reference);
-                gaps.into_iter()
-                    .zip(traction.iter().zip(&contact.spring))
-                    .map(|(gap, (&now, &spring))| touch(contact.grip, gap, now, spring))
-                    .collect()
+                let pressure: Vec<f64> = traction.iter().map(|t| t.normal).collect();
+                let (gaps, stiffness) = contact.gaps(at, &pressure);
+                let held = traction.iter().zip(&contact.spring);
+                let touch = |(gap, (&now, &spring))| touch(contact.grip, gap, now, spring);
+                Touching { nodes: gaps.into_iter().zip(held).map(touch).collect(), stiffness }
             })
             .collect()
     }
 
     /// All elements with their tangents, and how far the state is from balance.
-    fn evaluate(&mut self, state: &State, touches: &[Vec<Touch>]) -> Result<(Vec<ElementSystem>, Balance), StepError> {
+    fn evaluate(&mut self, state: &State, touches: &[Touching]) -> Result<(Vec<ElementSystem>, Balance), StepError> {
         self.prepare(touches)?;
         let problem = self.problem;
         let dim = problem.kinematics.dim();
@@ -222,7 +262,7 @@ impl<'a> Solver<'a> {
         }
         let mut gap: f64 = 0.0;
         let mut settled = true;
-        for touch in touches.iter().flatten() {
+        for touch in touches.iter().flat_map(|t| &t.nodes) {
             gap = gap.max(touch.defect);
             settled &= touch.settled;
             for &(node, push) in &pushes(touch, &touch.now) {
@@ -247,7 +287,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Makes sure that the pattern holds all pairs that now touch.
-    fn prepare(&mut self, touches: &[Vec<Touch>]) -> Result<(), SparseError> {
+    fn prepare(&mut self, touches: &[Touching]) -> Result<(), SparseError> {
         let dim = self.problem.kinematics.dim();
         let numbers = |nodes: &[u32]| -> Vec<u32> {
             let all = nodes.iter().flat_map(|&a| (0..dim).map(move |c| a as usize * dim + c));
@@ -255,7 +295,7 @@ impl<'a> Solver<'a> {
         };
         let groups: Vec<Vec<u32>> = touches
             .iter()
-            .flatten()
+            .flat_map(|t| &t.nodes)
             .map(|touch| numbers(&touch.gap.moved.iter().map(|entry| entry.0).collect::<Vec<_>>()))
             .collect();
         let known = self.matrix.as_ref().is_some_and(|matrix| {
@@ -291,7 +331,7 @@ impl<'a> Solver<'a> {
         }
     }
 
-    fn add_contacts(&self, matrix: &mut SparseCholesky, touches: &[Vec<Touch>]) {
+    fn add_contacts(&self, matrix: &mut SparseCholesky, touches: &[Touching]) {
         let dim = self.problem.kinematics.dim();
         let mut add = |row: u32, i: usize, column: u32, j: usize, value: f64| {
             let (row, column) = (self.equation[row as usize * dim + i], self.equation[column as usize * dim + j]);
@@ -301,7 +341,7 @@ impl<'a> Solver<'a> {
                 matrix.values[place] += value;
             }
         };
-        for touch in touches.iter().flatten().filter(|touch| touch.spring != [0.0; 2]) {
+        for touch in touches.iter().flat_map(|t| &t.nodes).filter(|touch| touch.spring != [0.0; 2]) {
             let projector = tangential(&touch.gap, touch.spring[0] > 0.0);
             let [normal, along] = touch.spring.map(|spring| spring / touch.gap.area);
             for (a, m, n) in &touch.gap.moved {
@@ -314,18 +354,18 @@ impl<'a> Solver<'a> {
                     }
                 }
             }
-            for (a, b, hessian) in &touch.gap.curvature {
-                for i in 0..dim {
-                    for j in 0..dim {
-                        add(*a, i, *b, j, -touch.now.normal * hessian[i][j]);
-                    }
+        }
+        for (a, b, stiffness) in touches.iter().flat_map(|t| &t.stiffness) {
+            for i in 0..dim {
+                for j in 0..dim {
+                    add(*a, i, *b, j, stiffness[i][j]);
                 }
             }
         }
     }
 
     /// Newton's step of the displacements.
-    fn solve(&mut self, state: &State, systems: &[ElementSystem], touches: &[Vec<Touch>]) -> Result<Vec<f64>, StepError> {
+    fn solve(&mut self, state: &State, systems: &[ElementSystem], touches: &[Touching]) -> Result<Vec<f64>, StepError> {
         let problem = self.problem;
         let dim = problem.kinematics.dim();
         let mut right = vec![0.0; self.prescribed.len()];
@@ -347,7 +387,7 @@ impl<'a> Solver<'a> {
         for &(node, force) in &problem.forces {
             (0..dim).for_each(|c| right[node as usize * dim + c] += state.load * force[c]);
         }
-        for touch in touches.iter().flatten() {
+        for touch in touches.iter().flat_map(|t| &t.nodes) {
             for (node, push) in pushes(touch, &touch.trial) {
                 (0..dim).for_each(|c| right[node as usize * dim + c] += push[c]);
             }
@@ -380,7 +420,7 @@ impl<'a> Solver<'a> {
         &self,
         state: &State,
         systems: &[ElementSystem],
-        touches: &[Vec<Touch>],
+        touches: &[Touching],
         change: &[f64],
     ) -> Result<State, StepError> {
         let mut share = 1.0;
@@ -399,7 +439,7 @@ impl<'a> Solver<'a> {
         &self,
         state: &State,
         systems: &[ElementSystem],
-        touches: &[Vec<Touch>],
+        touches: &[Touching],
         change: &[f64],
         share: f64,
     ) -> State {
@@ -416,8 +456,8 @@ impl<'a> Solver<'a> {
                 next.pressure[e * (dim + 1) + p] += share * (system.pressure_defect[p] + moved);
             }
         }
-        for (list, touches) in next.traction.iter_mut().zip(touches) {
-            for (traction, touch) in list.iter_mut().zip(touches) {
+        for (list, touching) in next.traction.iter_mut().zip(touches) {
+            for (traction, touch) in list.iter_mut().zip(&touching.nodes) {
                 let target = touch.stepped(change, dim);
                 traction.normal = touch.now.normal + share * (target.normal - touch.now.normal);
                 for i in 0..3 {
@@ -470,39 +510,41 @@ fn tangential(gap: &NodeGap, unilateral: bool) -> [[f64; 3]; 3] {
 fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64) -> Touch {
     if gap.area <= 0.0 {
         let free = Traction::default();
-        return Touch { gap, now: free, trial: free, spring: [0.0; 2], defect: 0.0, settled: now == free };
+        return Touch { gap, now: free, trial: free, spring: [0.0; 2], defect: 0.0, settled: now.normal == 0.0 };
     }
     let offset = gap.offset.map(|o| o / gap.area);
     let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
     let pulled = [0, 1, 2].map(|i| now.vector[i] - spring * offset[i]);
     if grip == Grip::Bonded {
-        let trial = Traction { normal: 0.0, vector: pulled };
+        let trial = Traction { vector: pulled, ..Traction::default() };
         return Touch { gap, now, trial, spring: [0.0, spring], defect: length(offset), settled: true };
     }
     let mean = gap.gap / gap.area;
     let pressed = now.normal - spring * mean;
     // What decides is a spring as stiff as the body: a stiffer one would let go at each curved step.
     if now.normal - spring / SPRING * mean <= 0.0 {
-        let free = Traction::default();
+        let free = Traction { bound: now.bound, ..Traction::default() };
         return Touch { gap, now: free, trial: free, spring: [0.0; 2], defect: 0.0, settled: now.normal <= 0.0 };
     }
     let settled = now.normal > 0.0;
-    let Grip::Coulomb(friction) = grip else {
-        let trial = Traction { normal: pressed, vector: [0.0; 3] };
+    let bound = now.bound;
+    if bound == 0.0 {
+        let now = Traction { normal: now.normal, ..Traction::default() };
+        let trial = Traction { normal: pressed, ..now };
         return Touch { gap, now, trial, spring: [spring, 0.0], defect: mean.abs(), settled };
-    };
-    let bound = friction * now.normal.max(0.0);
-    let pull = length(pulled);
+    }
+    let soft = [0, 1, 2].map(|i| now.vector[i] - spring / SPRING * offset[i]);
+    let pull = length(soft);
     if pull <= bound {
-        let trial = Traction { normal: pressed, vector: pulled };
+        let trial = Traction { normal: pressed, vector: pulled, bound };
         let defect = mean.abs().max(length(offset));
         return Touch { gap, now, trial, spring: [spring, spring], defect, settled };
     }
-    let slipping = if pull > 0.0 { pulled.map(|c| c * bound / pull) } else { [0.0; 3] };
+    let slipping = soft.map(|c| c * bound / pull);
     let lag = length([0, 1, 2].map(|i| slipping[i] - now.vector[i]));
-    let settled = settled && lag <= 1e-7 * bound.max(f64::MIN_POSITIVE);
-    let now = Traction { normal: now.normal, vector: slipping };
-    let trial = Traction { normal: pressed, vector: slipping };
+    let settled = settled && lag <= 1e-6 * bound;
+    let now = Traction { normal: now.normal, vector: slipping, bound };
+    let trial = Traction { normal: pressed, ..now };
     Touch { gap, now, trial, spring: [spring, 0.0], defect: mean.abs(), settled }
 }
 

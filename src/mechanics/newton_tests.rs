@@ -54,7 +54,7 @@ pub fn solve(problem: &Problem, steps: usize, mean_radius: f64) -> (f64, f64) {
     let state = match super::path::follow(&mut solver, problem.start(), &loads, &mut |_| true, &mut |_| ()) { Ok(s) => s, Err(e) => { println!("FAILED {e} iterations {}", solver.iterations); return (0.0, 0.0); } };
     let contact = &problem.contacts[0];
     let x = problem.positions(&state);
-    let gaps = contact.gaps(&x, &x, &problem.mesh.nodes);
+    let (gaps, _) = contact.gaps(Positions { reference: &problem.mesh.nodes, before: &x, now: &x }, &vec![0.0; contact.nodes.len()]);
     let mut force = 0.0;
     let (mut mean, mut area) = (0.0, 0.0);
     let up = problem.kinematics.dim() - 1;
@@ -109,7 +109,7 @@ fn hertz() {
 
 #[test]
 fn soft_sensor() {
-    for n in [1, 2, 3] {
+    for n in [1] {
     let mut xs = graded(0.0, 15.0, 12 * n, 0.8);
     let inner = xs.clone();
     xs.extend(graded(15.0, 30.0, 6 * n, 1.3).into_iter().skip(1));
@@ -141,7 +141,7 @@ fn soft_sensor() {
         }
     }
     let masters: Vec<Vec<u32>> = tissue.facets.iter().filter(|f| f.boundary == Boundary::Touched).map(|f| tissue.facet_nodes(*f)).collect();
-    for (grip, linear) in [(Grip::Bonded, true), (Grip::Frictionless, true), (Grip::Bonded, false), (Grip::Frictionless, false), (Grip::Coulomb(0.5), false)] {
+    for (grip, linear) in [(Grip::Coulomb(0.1), true), (Grip::Coulomb(0.5), true),  (Grip::Coulomb(0.5), false), (Grip::Frictionless, false)] {
         let material = |e: f64| if linear { Material::linear(e, nu).unwrap() } else { Material::neo_hookean(e, nu).unwrap() };
         let depth = if linear { 1.0 } else { 4.0 };
         let mut supports = supports.clone();

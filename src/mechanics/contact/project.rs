@@ -1,6 +1,6 @@
 //! The nearest point of a deformable counterpart's face.
 
-use crate::mechanics::element::Shape;
+use crate::mechanics::element::{Shape, lagrange};
 
 /// A point of the counterpart's face.
 #[derive(Debug, Clone)]
@@ -13,6 +13,21 @@ pub struct Foot {
     pub normal: [f64; 3],
     /// Distance along the normal, mm; negative inside the counterpart.
     pub gap: f64,
+    /// How the gap bends as points move.
+    pub bend: Bend,
+}
+
+/// First and second derivatives of a facet at a foot.
+#[derive(Debug, Clone)]
+pub struct Bend {
+    /// Tangents along the local axes.
+    pub tangents: [[f64; 3]; 2],
+    /// Inverse of the metric.
+    pub metric: [[f64; 2]; 2],
+    /// Local gradients of the shape functions.
+    pub gradient: [[f64; 2]; 9],
+    /// Normal part of the second derivatives of the position.
+    pub curvature: [[f64; 2]; 2],
 }
 
 /// How far outside a facet, in local coordinates, a point still counts as above it.
@@ -82,7 +97,8 @@ impl Face<'_> {
         normal = normal.map(|c| c / length);
         let mut value = [0.0; 9];
         value[..nodes.len()].copy_from_slice(&shape.value[..nodes.len()]);
-        Some(Foot { facet, value, normal, gap: dot(normal, subtract(x, foot)) })
+        let bend = bend(axes, nodes, xi, &shape, tangents, normal);
+        Some(Foot { facet, value, normal, gap: dot(normal, subtract(x, foot)), bend })
     }
 
     fn place(&self, nodes: &[[f64; 3]], shape: &Shape) -> ([f64; 3], [[f64; 3]; 2]) {
@@ -97,6 +113,52 @@ impl Face<'_> {
         }
         (point, tangents)
     }
+}
+
+fn bend(
+    axes: usize,
+    nodes: &[[f64; 3]],
+    xi: [f64; 3],
+    shape: &Shape,
+    tangents: [[f64; 3]; 2],
+    normal: [f64; 3],
+) -> Bend {
+    let m = [[0, 0], [0, 1], [1, 1]].map(|[i, j]| dot(tangents[i], tangents[j]));
+    let metric = if axes == 1 {
+        [[1.0 / m[0], 0.0], [0.0, 0.0]]
+    } else {
+        let determinant = m[0] * m[2] - m[1] * m[1];
+        [[m[2] / determinant, -m[1] / determinant], [-m[1] / determinant, m[0] / determinant]]
+    };
+    let second = second_derivatives(axes, xi);
+    let mut bend = Bend { tangents, metric, gradient: [[0.0; 2]; 9], curvature: [[0.0; 2]; 2] };
+    for (a, node) in nodes.iter().enumerate() {
+        bend.gradient[a] = [shape.gradient[a][0], shape.gradient[a][1]];
+        let along = dot(*node, normal);
+        for i in 0..2 {
+            for j in 0..2 {
+                bend.curvature[i][j] += second[a][i][j] * along;
+            }
+        }
+    }
+    bend
+}
+
+/// Second derivatives of a facet's shape functions.
+fn second_derivatives(axes: usize, xi: [f64; 3]) -> [[[f64; 2]; 2]; 9] {
+    let lines = [lagrange(xi[0]), lagrange(xi[1])];
+    let twice = [1.0, -2.0, 1.0];
+    let mut second = [[[0.0; 2]; 2]; 9];
+    for (a, d) in second.iter_mut().enumerate().take(3usize.pow(axes as u32)) {
+        let (i, j) = (a % 3, a / 3);
+        if axes == 1 {
+            d[0][0] = twice[i];
+        } else {
+            let mixed = lines[0][i][1] * lines[1][j][1];
+            *d = [[twice[i] * lines[1][j][0], mixed], [mixed, lines[0][i][0] * twice[j]]];
+        }
+    }
+    second
 }
 
 /// Distance of two points across a direction.

@@ -1,0 +1,99 @@
+//! The constraints of a contact at some state.
+
+use super::meeting::along_face;
+use super::project::{Face, subtract};
+use super::{Contact, Counterpart, Coupling, Grip, NodeGap};
+use std::collections::HashMap;
+
+/// Positions that a contact is judged by.
+#[derive(Clone, Copy)]
+pub struct Positions<'a> {
+    /// Undeformed, mm.
+    pub reference: &'a [[f64; 3]],
+    /// At the end of the last load step, mm.
+    pub before: &'a [[f64; 3]],
+    /// Now, mm.
+    pub now: &'a [[f64; 3]],
+}
+
+impl Contact {
+    /// The constraints of all touched nodes, and the stiffness that the pressures `pressure` get from the bending of the
+    /// gaps.
+    pub fn gaps(&self, at: Positions, pressure: &[f64]) -> (Vec<NodeGap>, Vec<Coupling>) {
+        // Bonded faces keep the pairs that they had when they met.
+        let bonded = self.grip == Grip::Bonded;
+        let paired = if bonded { at.reference } else { at.now };
+        let faces: Vec<Vec<[f64; 3]>> = match &self.counterpart {
+            Counterpart::Face(facets) => {
+                facets.iter().map(|nodes| nodes.iter().map(|&a| paired[a as usize]).collect()).collect()
+            }
+            Counterpart::Rigid { .. } => Vec::new(),
+        };
+        let face = Face { dim: self.kinematics.dim(), facets: &faces, outward: self.outward() };
+        let mut gaps: Vec<NodeGap> = vec![NodeGap::default(); self.nodes.len()];
+        let mut moved: Vec<HashMap<u32, (f64, [f64; 3])>> = vec![HashMap::new(); self.nodes.len()];
+        let mut stiffness: HashMap<(u32, u32), [[f64; 3]; 3]> = HashMap::new();
+        for point in &self.points {
+            let facet = &self.facets[point.facet];
+            let own: Vec<u32> = facet.iter().map(|&k| self.nodes[k as usize]).collect();
+            let touched = |positions: &[[f64; 3]]| combine(positions, &own, &point.shape);
+            let Some(meeting) = self.meet(&face, touched(paired)) else {
+                continue;
+            };
+            let apart = |positions: &[[f64; 3]]| {
+                subtract(touched(positions), combine(positions, meeting.nodes, &meeting.value))
+            };
+            let offset = if bonded {
+                subtract(apart(at.now), apart(at.reference))
+            } else {
+                along_face(subtract(apart(at.now), apart(at.before)), meeting.normal)
+            };
+            let mut load = 0.0;
+            for (&k, &hat) in facet.iter().zip(&point.hat).filter(|(_, hat)| **hat != 0.0) {
+                let (gap, weight) = (&mut gaps[k as usize], hat * point.weight);
+                load += weight * pressure[k as usize].max(0.0);
+                gap.area += weight;
+                gap.gap += weight * meeting.gap;
+                for i in 0..3 {
+                    gap.offset[i] += weight * offset[i];
+                    gap.normal[i] += weight * meeting.normal[i];
+                }
+                let nodes = own.iter().zip(&point.shape).map(|(&a, &n)| (a, n));
+                let counter = meeting.nodes.iter().zip(&meeting.value).map(|(&a, &n)| (a, -n));
+                for (a, n) in nodes.chain(counter) {
+                    let entry = moved[k as usize].entry(a).or_default();
+                    entry.0 += weight * n;
+                    (0..3).for_each(|i| entry.1[i] += weight * n * meeting.normal[i]);
+                }
+            }
+            if load > 0.0 && !bonded {
+                meeting.for_second(&own, &point.shape, &mut |a, b, second| {
+                    let entry = stiffness.entry((a, b)).or_default();
+                    (0..9).for_each(|k| entry[k / 3][k % 3] -= load * second[k / 3][k % 3]);
+                });
+            }
+        }
+        for (gap, moved) in gaps.iter_mut().zip(moved) {
+            gap.moved = moved.into_iter().map(|(a, (weight, normal))| (a, weight, normal)).collect();
+            gap.moved.sort_unstable_by_key(|entry| entry.0);
+        }
+        let mut stiffness: Vec<Coupling> = stiffness.into_iter().map(|((a, b), k)| (a, b, k)).collect();
+        stiffness.sort_unstable_by_key(|entry| (entry.0, entry.1));
+        (gaps, stiffness)
+    }
+
+    /// Out of the counterpart, towards the touched body.
+    fn outward(&self) -> [f64; 3] {
+        let mut outward = [0.0; 3];
+        outward[self.kinematics.dim() - 1] = self.side;
+        outward
+    }
+}
+
+fn combine(positions: &[[f64; 3]], nodes: &[u32], value: &[f64; 9]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (&a, &n) in nodes.iter().zip(value) {
+        (0..3).for_each(|i| sum[i] += n * positions[a as usize][i]);
+    }
+    sum
+}
