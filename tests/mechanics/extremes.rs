@@ -1,12 +1,15 @@
 //! The press at its limits.
 
-use super::answers::Solved;
+use super::answers::{Solved, graded, held, on_a_base};
 use super::answers::press::{force, mean_pressure, phantom, press};
 use faer::{Mat, Side};
 use tirtouch::mechanics::contact::Grip;
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::{Law, Material};
-use tirtouch::mechanics::mesh::shapes;
+use tirtouch::mechanics::mesh::{Footprint, PhantomMesh, PhantomShape, shapes};
+use tirtouch::mechanics::newton::Solver;
+use tirtouch::mechanics::path::follow;
+use tirtouch::mechanics::problem::Problem;
 use tirtouch::mechanics::read_out::{min_jacobian, pressure_jump};
 use tirtouch::mechanics::solid::element_system;
 
@@ -58,14 +61,29 @@ fn a_ball_of_the_phantoms_own_stuff_changes_nothing() {
 }
 
 #[test]
-fn a_block_is_pressed_to_half_its_height() {
-    // The whole face of the phantom would fold over its free side; the press of half the face is the deep one.
-    for poisson in [0.4999, 0.5] {
-        let material = Material::neo_hookean(5.0, poisson).unwrap();
-        let solved = press(phantom(1, None), vec![material], Grip::Frictionless, 12.5, &[0.25, 0.5, 0.75, 1.0]);
-        let solved = solved.unwrap_or_else(|error| panic!("nu {poisson}: {error}"));
-        let least = min_jacobian(&solved.problem, &solved.state).unwrap();
-        assert!(least > 0.0, "nu {poisson}: J {least}");
+fn a_bonded_block_is_pressed_to_half_its_height() {
+    for (law, poisson) in [(Law::NeoHookean { shear_kpa: 2.0 }, 0.4999), (Law::NeoHookean { shear_kpa: 2.0 }, 0.5)] {
+        let mesh = PhantomMesh {
+            shape: PhantomShape::Cylinder { radius_mm: 20.0, height_mm: 20.0 },
+            inclusions: Vec::new(),
+            footprint: Footprint::Round { radius_mm: 20.0 },
+            symmetry: [true, false],
+            resolution: graded(2.5, 2.5, 2.5, 0.5, 1),
+        }
+        .build_2d()
+        .unwrap();
+        let mut supports = on_a_base(&mesh, 20.0, -10.0);
+        (0..2).for_each(|axis| supports.extend(held(&mesh, |x| x[1] == 0.0, axis, |_| 0.0)));
+        let materials = vec![Material::elastic(law, poisson).unwrap()];
+        let kinematics = Kinematics::Axisymmetric;
+        let problem = Problem { kinematics, mesh, materials, supports, forces: Vec::new(), contacts: Vec::new() };
+        let mut solver = Solver::new(&problem);
+        let mut states = Vec::new();
+        let loads: Vec<f64> = (1..=10).map(|k| 0.1 * f64::from(k)).collect();
+        let end = follow(&mut solver, problem.start(), &loads, &mut |_| true, &mut |state| states.push(state));
+        let least: Vec<f64> = states.iter().map(|state| min_jacobian(&problem, state).unwrap()).collect();
+        assert!(least.iter().all(|least| *least > 0.0), "nu {poisson}: {least:?}");
+        assert!(end.is_ok(), "nu {poisson}: {:?}, {least:?}", end.err());
     }
 }
 

@@ -1,6 +1,6 @@
 //! A rigid ball, or cylinder, on a half space by frictionless contact (E = 1, contact of about 1 mm).
 
-use super::{Answer, Solved, graded, on_a_base, touched};
+use super::{Answer, Solved, face, graded, on_a_base, touched};
 use std::f64::consts::PI;
 use tirtouch::mechanics::contact::{Contact, Counterpart, Grip, Profile};
 use tirtouch::mechanics::kinematics::Kinematics;
@@ -41,21 +41,6 @@ fn press(rung: usize, kinematics: Kinematics, poisson: f64, profile: Profile, de
     Solved::new(problem, &[1.0]).unwrap()
 }
 
-/// What the face bears: radius, normal pressure and area of each touched node, outwards.
-fn pressures(solved: &Solved) -> Vec<[f64; 3]> {
-    let contact = &solved.problem.contacts[0];
-    let x = solved.problem.positions(&solved.state);
-    let gaps = contact.gaps(&x, &x, &solved.problem.mesh.nodes);
-    let mut rows: Vec<[f64; 3]> = contact
-        .nodes
-        .iter()
-        .zip(gaps.iter().zip(&solved.state.traction[0]))
-        .map(|(&node, (gap, traction))| [solved.problem.mesh.nodes[node as usize][0], traction.normal, gap.area])
-        .collect();
-    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    rows
-}
-
 /// Edge of the contact: half way between the last loaded node and the next.
 fn edge(rows: &[[f64; 3]]) -> f64 {
     let last = rows.iter().rposition(|row| row[1] > 0.0).unwrap();
@@ -77,7 +62,7 @@ pub fn ball(rung: usize, poisson: f64) -> Answer {
     let modulus = 1.0 / (1.0 - poisson * poisson);
     let profile = Profile::Round { radius_mm: RADIUS };
     let solved = press(rung, Kinematics::Axisymmetric, poisson, profile, 1.0 / RADIUS, FAR);
-    let rows = pressures(&solved);
+    let rows = face(&solved);
     let force: f64 = rows.iter().map(|row| row[1] * row[2]).sum();
     let p0 = 2.0 * modulus / (PI * RADIUS);
     solved.answer(vec![
@@ -95,7 +80,7 @@ pub fn cylinder(rung: usize, poisson: f64) -> Answer {
     let profile = Profile::Round { radius_mm: RADIUS };
     let depth = (2.0 * (2.0 * FAR_PLANE).ln() - 1.0) / (4.0 * RADIUS);
     let solved = press(rung, Kinematics::PlaneStrain, poisson, profile, depth, FAR_PLANE);
-    let rows = pressures(&solved);
+    let rows = face(&solved);
     // Half of the contact is meshed.
     let force = 2.0 * rows.iter().map(|row| row[1] * row[2]).sum::<f64>();
     let a = (4.0 * force * RADIUS / (PI * modulus)).sqrt();

@@ -113,3 +113,15 @@ pub fn touched(mesh: &Mesh, radius: f64) -> Vec<tirtouch::mechanics::mesh::Facet
     });
     facets
 }
+
+/// Distance from the axis, pressure along z, and undeformed area of each touched node, outwards.
+pub fn face(solved: &Solved) -> Vec<[f64; 3]> {
+    let (contact, nodes) = (&solved.problem.contacts[0], &solved.problem.mesh.nodes);
+    let areas = contact.present_areas(nodes);
+    let up = solved.problem.kinematics.dim() - 1;
+    let tractions = solved.state.traction[0].iter().map(|traction| traction.normal + traction.vector[up]);
+    let radii = contact.nodes.iter().map(|&a| nodes[a as usize][0]);
+    let mut rows: Vec<[f64; 3]> = radii.zip(tractions.zip(areas)).map(|(r, (p, area))| [r, p, area]).collect();
+    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    rows
+}

@@ -1,6 +1,6 @@
 //! A phantom (radius 30, height 25 mm, 5 kPa) bonded to a rigid face of radius 15 mm and pressed by its base.
 
-use super::{Answer, Solved, on_a_base, touched};
+use super::{Answer, Solved, face, on_a_base, touched};
 use tirtouch::mechanics::contact::{Contact, Counterpart, Grip, Profile};
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::Material;
@@ -50,12 +50,12 @@ pub fn press(
 
 /// Force on the face, N.
 pub fn force(solved: &Solved) -> f64 {
-    rows(solved).iter().map(|[_, p, area]| 1e-3 * p * area).sum()
+    face(solved).iter().map(|[_, p, area]| 1e-3 * p * area).sum()
 }
 
 /// Mean pressure, Pa, within a distance of the axis: nodal values, linear between the nodes.
 pub fn mean_pressure(solved: &Solved, radius: f64) -> f64 {
-    let rows = rows(solved);
+    let rows = face(solved);
     let at = |r: f64| {
         let k = rows.partition_point(|row| row[0] <= r).clamp(1, rows.len() - 1);
         let ([r0, p0, _], [r1, p1, _]) = (rows[k - 1], rows[k]);
@@ -67,21 +67,6 @@ pub fn mean_pressure(solved: &Solved, radius: f64) -> f64 {
         2.0 * r * at(r) / radius / n as f64
     };
     1e3 * (0..n).map(weighted).sum::<f64>() / radius
-}
-
-/// Radius, pressure and area of the touched nodes.
-fn rows(solved: &Solved) -> Vec<[f64; 3]> {
-    let contact = &solved.problem.contacts[0];
-    let x = solved.problem.positions(&solved.state);
-    let gaps = contact.gaps(&x, &x, &solved.problem.mesh.nodes);
-    let mut rows: Vec<[f64; 3]> = contact
-        .nodes
-        .iter()
-        .zip(gaps.iter().zip(&solved.state.traction[0]))
-        .map(|(&a, (gap, t))| [solved.problem.mesh.nodes[a as usize][0], t.normal + t.vector[1], gap.area])
-        .collect();
-    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    rows
 }
 
 /// The digits of a P2 + bubble prototype: linear, nu = 0.4999, 1 mm; good to 1 %.
