@@ -52,7 +52,8 @@ fn table(name: &str, rungs: u32, solve: &Solve) {
     for rung in (0..rungs).map(|k| 1 << k) {
         let answer = solve(rung);
         if rung == 1 {
-            let heads: Vec<String> = answer.figures.iter().map(|figure| format!(" {} | error |", figure.name)).collect();
+            let heads: Vec<String> =
+                answer.figures.iter().map(|figure| format!(" {} | error |", figure.name)).collect();
             println!("| rung | unknowns | iterations | seconds |{}", heads.concat());
             println!("|---|---|---|---|{}", "---|---|".repeat(heads.len()));
         }

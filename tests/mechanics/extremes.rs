@@ -1,7 +1,7 @@
 //! The press at its limits.
 
-use super::answers::{Solved, graded, held, on_a_base};
 use super::answers::press::{force, mean_pressure, phantom, press};
+use super::answers::{Solved, graded, held, on_a_base};
 use faer::{Mat, Side};
 use tirtouch::mechanics::contact::Grip;
 use tirtouch::mechanics::kinematics::Kinematics;
@@ -45,7 +45,10 @@ fn contrasts_of_a_million_converge_and_order_the_pressures() {
         let materials = [5.0, 5.0 * contrast].map(|modulus| Material::neo_hookean(modulus, 0.4999).unwrap());
         let solved = press(phantom(1, Some((8.0, 5.0))), materials.to_vec(), Grip::Bonded, 1.0, &[1.0]).unwrap();
         let pressure = mean_pressure(&solved, 1.0);
-        assert!(pressure > last && min_jacobian(&solved.problem, &solved.state).unwrap() > 0.0, "{contrast} {pressure}");
+        assert!(
+            pressure > last && min_jacobian(&solved.problem, &solved.state).unwrap() > 0.0,
+            "{contrast} {pressure}"
+        );
         last = pressure;
     }
 }
@@ -116,7 +119,8 @@ fn an_elements_tangent_resists_all_but_rigid_motions() {
                 let system = element_system(kinematics, &nodes, &still, &[0.0; 4], &material, true).unwrap();
                 let n = system.force.len();
                 let matrix = Mat::from_fn(n, n, |i, j| system.stiffness[i * n + j]);
-                let skew = (0..n * n).fold(0.0f64, |m, k| m.max((matrix[(k / n, k % n)] - matrix[(k % n, k / n)]).abs()));
+                let skew =
+                    (0..n * n).fold(0.0f64, |m, k| m.max((matrix[(k / n, k % n)] - matrix[(k % n, k / n)]).abs()));
                 let values = matrix.self_adjoint_eigenvalues(Side::Lower).unwrap();
                 let largest = values.last().unwrap();
                 // Round-off of the largest, and no deformation is a millionth softer than the softest.

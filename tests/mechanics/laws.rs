@@ -74,9 +74,8 @@ fn yeoh_blocks_follow_their_curves() {
 fn ogden_blocks_follow_their_curves() {
     // Ogden's three terms for vulcanised rubber (Proc. R. Soc. A 326, 1972), in units of 0.1 MPa.
     let terms = [[6.3, 1.3], [0.012, 5.0], [-0.1, -2.0]];
-    let law = Law::Ogden {
-        terms: terms.iter().map(|&[shear_kpa, exponent]| OgdenTerm { shear_kpa, exponent }).collect(),
-    };
+    let law =
+        Law::Ogden { terms: terms.iter().map(|&[shear_kpa, exponent]| OgdenTerm { shear_kpa, exponent }).collect() };
     let sum = |term: &dyn Fn(f64) -> f64| terms.iter().map(|[mu, alpha]| mu * term(*alpha)).sum::<f64>();
     assert_curve(
         &law,

@@ -4,7 +4,9 @@ use super::answers::{Answer, hayes, hertz};
 
 fn assert_close(what: &str, answer: &Answer, name: &str, tolerance: f64) {
     let error = answer.error(name);
-    assert!(error.abs() < tolerance, "{what}, {name}: off by {error:e}");
+    let Answer { unknowns, iterations, seconds, .. } = answer;
+    let cost = format!("{unknowns} unknowns, {iterations} iterations, {seconds:.1} s");
+    assert!(error.abs() < tolerance, "{what}, {name}: off by {error:e} ({cost})");
 }
 
 #[test]

@@ -68,10 +68,7 @@ pub fn disc_pressure(rung: usize, poisson: f64) -> Answer {
         solved.state.displacement[node][1]
     };
     let plane = 1.0 - poisson * poisson;
-    solved.answer(vec![
-        ("middle, mm", at(0.0), 2.0 * plane),
-        ("edge, mm", at(1.0), 4.0 * plane / std::f64::consts::PI),
-    ])
+    solved.answer(vec![("middle, mm", at(0.0), 2.0 * plane), ("edge, mm", at(1.0), 4.0 * plane / std::f64::consts::PI)])
 }
 
 fn solve(

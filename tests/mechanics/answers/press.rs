@@ -4,9 +4,7 @@ use super::{Answer, Solved, face, on_a_base, touched};
 use tirtouch::mechanics::contact::{Contact, Counterpart, Grip, Profile};
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::Material;
-use tirtouch::mechanics::mesh::{
-    Footprint, InclusionShape, Mesh, PhantomMesh, PhantomShape, Resolution, Star,
-};
+use tirtouch::mechanics::mesh::{Footprint, InclusionShape, Mesh, PhantomMesh, PhantomShape, Resolution, Star};
 use tirtouch::mechanics::path::PathError;
 use tirtouch::mechanics::problem::Problem;
 
@@ -31,13 +29,7 @@ pub fn phantom(rung: usize, ball: Option<(f64, f64)>) -> Mesh {
 }
 
 /// Presses by `depth` mm; `materials` are those of phantom and inclusion.
-pub fn press(
-    mesh: Mesh,
-    materials: Vec<Material>,
-    grip: Grip,
-    depth: f64,
-    loads: &[f64],
-) -> Result<Solved, PathError> {
+pub fn press(mesh: Mesh, materials: Vec<Material>, grip: Grip, depth: f64, loads: &[f64]) -> Result<Solved, PathError> {
     let counterpart = Counterpart::Rigid { profile: Profile::Flat, center: [0.0; 2] };
     let kinematics = Kinematics::Axisymmetric;
     let facets = touched(&mesh, EDGE);
