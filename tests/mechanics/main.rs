@@ -17,3 +17,10 @@ mod press;
 mod punches;
 mod rates;
 mod shells;
+
+impl answers::Answer {
+    /// Error of a figure, relative where the exact value is not 0.
+    fn error(&self, name: &str) -> f64 {
+        self.figures.iter().find(|figure| figure.name == name).map(answers::Figure::error).unwrap()
+    }
+}

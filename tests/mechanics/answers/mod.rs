@@ -54,13 +54,6 @@ impl Solved {
     }
 }
 
-impl Answer {
-    /// Error of a figure, relative where the exact value is not 0.
-    pub fn error(&self, name: &str) -> f64 {
-        self.figures.iter().filter(|figure| figure.name == name).map(Figure::error).sum()
-    }
-}
-
 impl Figure {
     pub fn error(&self) -> f64 {
         if self.exact == 0.0 { self.value } else { self.value / self.exact - 1.0 }
