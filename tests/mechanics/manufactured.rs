@@ -83,9 +83,9 @@ pub fn errors(
         for at in points(dim) {
             let point = problem.kinematics.point(&nodes, &at).unwrap();
             let exact = displacement(point.position);
-            for i in 0..dim {
+            for (i, exact) in exact.iter().enumerate().take(dim) {
                 let values = element.iter().zip(at.shape.value).map(|(&a, n)| n * state.displacement[a as usize][i]);
-                squares[0] += point.volume * (values.sum::<f64>() - exact[i]).powi(2);
+                squares[0] += point.volume * (values.sum::<f64>() - exact).powi(2);
             }
             let functions = pressure_functions(dim, &frame, point.position);
             let found: f64 = state.pressure[e * (dim + 1)..].iter().zip(&functions[..=dim]).map(|(p, f)| p * f).sum();
