@@ -17,5 +17,6 @@ mod newton_tests;
 pub mod path;
 pub mod press;
 pub mod problem;
+pub mod read_out;
 pub mod solid;
 pub mod sparse;

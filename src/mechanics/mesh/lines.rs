@@ -6,8 +6,11 @@
 
 use super::MeshError;
 
-/// Samples of the size field between two breaks; it sets where lines lie, not whether they fit.
+/// Fewest samples of the size field between two breaks; it sets where lines lie, not whether they fit.
 const SAMPLES: usize = 2000;
+
+/// Samples in a cell: where sizes span many decades, a fixed number of samples would miss the smallest.
+const SAMPLES_PER_CELL: f64 = 20.0;
 
 /// Most cells along one axis.
 const MOST_CELLS: usize = 100_000;
@@ -70,12 +73,18 @@ impl Grading {
     }
 
     fn interval(&self, low: f64, high: f64, subdivision: usize, lines: &mut Vec<f64>) -> Result<(), MeshError> {
-        let step = (high - low) / SAMPLES as f64;
-        let mut sums = vec![0.0];
-        let mut sum = 0.0;
-        for k in 0..SAMPLES {
-            sum += step / self.size(low + (k as f64 + 0.5) * step);
+        let coarse = (high - low) / SAMPLES as f64;
+        let (mut places, mut sums) = (vec![low], vec![0.0]);
+        let (mut place, mut sum) = (low, 0.0);
+        while place < high {
+            let step = coarse.min(self.size(place) / SAMPLES_PER_CELL).min(high - place);
+            sum += step / self.size(place + 0.5 * step);
+            place = if step < high - place { place + step } else { high };
+            places.push(place);
             sums.push(sum);
+            if sums.len() > SAMPLES + MOST_CELLS * SAMPLES_PER_CELL as usize {
+                return Err(MeshError::TooMany { elements: MOST_CELLS + 1, limit: MOST_CELLS });
+            }
         }
         // The margin keeps round-off from adding a cell where the length is a whole number of sizes.
         let cells = ((sum - 1e-6).ceil().max(1.0) * subdivision as f64) as usize;
@@ -84,9 +93,9 @@ impl Grading {
         }
         for line in 1..cells {
             let target = sum * line as f64 / cells as f64;
-            let k = sums.partition_point(|&s| s <= target).clamp(1, SAMPLES);
+            let k = sums.partition_point(|&s| s <= target).clamp(1, sums.len() - 1);
             let within = (target - sums[k - 1]) / (sums[k] - sums[k - 1]);
-            lines.push(low + step * ((k - 1) as f64 + within));
+            lines.push(places[k - 1] + (places[k] - places[k - 1]) * within);
         }
         Ok(())
     }

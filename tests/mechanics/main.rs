@@ -1,0 +1,26 @@
+//! The closed forms of elasticity and contact, reproduced by the press's elements, laws and contact.
+//!
+//! `answers` poses problems on ladders of meshes; the tests hold a rung to a tolerance. Rates are asserted where the
+//! solution is smooth; elsewhere the tolerance is that of the answer's source, or the error measured one rung lower.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod answers;
+mod extremes;
+mod faults;
+mod inclusion;
+mod laws;
+mod locking;
+mod manufactured;
+mod patch;
+mod press;
+mod punches;
+mod rates;
+mod shells;
+
+impl answers::Answer {
+    /// Error of a figure, relative where the exact value is not 0.
+    fn error(&self, name: &str) -> f64 {
+        self.figures.iter().find(|figure| figure.name == name).map(answers::Figure::error).unwrap()
+    }
+}
