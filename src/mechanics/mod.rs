@@ -12,8 +12,6 @@ pub mod kinematics;
 pub mod material;
 pub mod mesh;
 pub mod newton;
-#[cfg(test)]
-mod newton_tests;
 pub mod path;
 pub mod press;
 pub mod problem;

@@ -1,6 +1,7 @@
 //! Newton's method over displacement, pressure and contact traction.
 
 use super::contact::{Coupling, Grip, NodeGap, Positions, SPRING};
+use super::element::quadrature;
 use super::material::History;
 use super::problem::{Problem, State, Traction};
 use super::solid::{ElementSystem, advance_history, element_system};
@@ -17,6 +18,8 @@ pub struct Solver<'a> {
     /// Prescribed displacement of each component at load factor 1.
     prescribed: Vec<f64>,
     matrix: Option<SparseCholesky>,
+    /// Forces of a strain of `FLOOR_STRAIN`, mN.
+    floor: Vec<f64>,
     /// Time of the present step, s.
     seconds: f64,
     /// Newton iterations so far.
@@ -29,8 +32,9 @@ const HELD: u32 = u32::MAX;
 
 /// When a state counts as balanced.
 const FORCE_TOLERANCE: f64 = 1e-9;
-/// The same where rounding keeps Newton's method, which is quadratic by then, from halving it.
-const ROUNDING: f64 = 1e-7;
+/// Strain whose stresses count among the size of the forces: pressures are only known to the rounding of F times the
+/// tangent's bulk modulus, 1e-12 mu.
+const FLOOR_STRAIN: f64 = 1e-3;
 /// Largest mean volume defect.
 const VOLUME_TOLERANCE: f64 = 1e-9;
 /// Largest gap of nodes in contact and largest slip of sticking ones, mm.
@@ -89,8 +93,8 @@ struct Balance {
 }
 
 impl Balance {
-    fn holds(&self, force: f64) -> bool {
-        self.settled && self.force <= force && self.volume <= VOLUME_TOLERANCE && self.gap <= GAP_TOLERANCE
+    fn holds(&self) -> bool {
+        self.settled && self.force <= FORCE_TOLERANCE && self.volume <= VOLUME_TOLERANCE && self.gap <= GAP_TOLERANCE
     }
 }
 
@@ -137,6 +141,7 @@ impl<'a> Solver<'a> {
             equations: equations as usize,
             prescribed,
             matrix: None,
+            floor: floor(problem),
             seconds: 0.0,
             iterations: 0,
             symbolic: 0,
@@ -236,16 +241,10 @@ impl<'a> Solver<'a> {
             let touches = self.touches(&state, &before);
             let (systems, balance) = self.evaluate(&state, &touches)?;
             last = balance;
-            if std::env::var_os("TT_TRACE").is_some() {
-                eprintln!(
-                    "  load {load:.4} {balance:?} active {}",
-                    touches.iter().flat_map(|t| &t.nodes).filter(|t| t.spring[0] > 0.0).count()
-                );
-            }
-            let off = balance.force + balance.volume;
-            if balance.holds(if iteration > 0 && off > 0.5 * best { ROUNDING } else { FORCE_TOLERANCE }) {
+            if balance.holds() {
                 return Ok(state);
             }
+            let off = balance.force + balance.volume;
             if balance.settled {
                 first_force = first_force.min(balance.force.max(WORTH));
                 if iteration > 0 && balance.force > RISE * first_force {
@@ -321,7 +320,7 @@ impl<'a> Solver<'a> {
         let dim = problem.kinematics.dim();
         let mut systems = Vec::with_capacity(problem.mesh.element_count());
         let mut residual = vec![0.0; self.prescribed.len()];
-        let mut size = vec![0.0; self.prescribed.len()];
+        let mut size = self.floor.clone();
         let mut volume: f64 = 0.0;
         let mut matrix = self.matrix.take().ok_or(SparseError::TooLarge)?;
         matrix.values.fill(0.0);
@@ -560,6 +559,23 @@ impl<'a> Solver<'a> {
         }
         next
     }
+}
+
+/// Sum over elements of shear modulus, volume and gradient of each node's shape function, times `FLOOR_STRAIN`.
+fn floor(problem: &Problem) -> Vec<f64> {
+    let dim = problem.kinematics.dim();
+    let mut floor = vec![0.0; problem.mesh.nodes.len() * dim];
+    for e in 0..problem.mesh.element_count() {
+        let nodes = problem.mesh.element_positions(e);
+        let shear = problem.materials[problem.mesh.region[e] as usize].law.shear_kpa();
+        for point in quadrature(dim).iter().filter_map(|at| problem.kinematics.point(&nodes, at)) {
+            for (&a, gradient) in problem.mesh.element(e).iter().zip(&point.gradient) {
+                let size = FLOOR_STRAIN * shear * point.volume * gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
+                (0..dim).for_each(|c| floor[a as usize * dim + c] += size);
+            }
+        }
+    }
+    floor
 }
 
 /// Rows of the tangent's columns at held unknowns; the rest is in the matrix.

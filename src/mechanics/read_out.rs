@@ -43,6 +43,7 @@ pub fn reactions(problem: &Problem, state: &State) -> Option<Vec<[f64; 3]>> {
             &element.displacement,
             element.pressure,
             &problem.materials[problem.mesh.region[e] as usize],
+            None,
             false,
         )?;
         for (&node, force) in problem.mesh.element(e).iter().zip(system.force.chunks(dim)) {

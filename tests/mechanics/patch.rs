@@ -26,8 +26,15 @@ fn patch(kinematics: Kinematics, material: Material, gradient: &Gradient) -> (So
     let mesh = shapes::patch(dim, 3, 0.25, 0.04, 11).unwrap();
     let supports = held_around(&mesh, |x| apply(gradient, x));
     let modulus = material.law.shear_kpa();
-    let problem =
-        Problem { kinematics, mesh, materials: vec![material], supports, forces: Vec::new(), contacts: Vec::new() };
+    let problem = Problem {
+        kinematics,
+        mesh,
+        materials: vec![material],
+        supports,
+        forces: Vec::new(),
+        contacts: Vec::new(),
+        seconds_per_load: None,
+    };
     let solved = Solved::new(problem, &[1.0]).unwrap();
     let mut errors = [0.0f64; 2];
     for (x, u) in solved.problem.mesh.nodes.iter().zip(&solved.state.displacement) {
@@ -110,7 +117,7 @@ fn finite_rotations_cause_no_stress() {
             for e in 0..mesh.element_count() {
                 let nodes: Vec<[f64; 3]> = mesh.element(e).iter().map(|&a| mesh.nodes[a as usize]).collect();
                 let moved: Vec<[f64; 3]> = nodes.iter().map(|x| apply(&gradient, *x)).collect();
-                let system = element_system(kinematics, &nodes, &moved, &[0.0; 4], &material, false).unwrap();
+                let system = element_system(kinematics, &nodes, &moved, &[0.0; 4], &material, None, false).unwrap();
                 // Round-off: a force is modulus times face, at most 2 kPa x 1 mm^2.
                 let largest = system.force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
                 assert!(largest < 1e-14 && system.volume_defect < 1e-14, "{kinematics:?}: {largest:e}");

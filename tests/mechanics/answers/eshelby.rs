@@ -32,7 +32,15 @@ pub fn solve(rung: usize, contrast: f64) -> Solved {
     let supports = supports.into_iter().filter(|s| s.axis == 0 || !free(mesh.nodes[s.node as usize])).collect();
     let materials = vec![Material::linear(1.0, 0.5).unwrap(), Material::linear(contrast, 0.5).unwrap()];
     let kinematics = Kinematics::Axisymmetric;
-    let problem = Problem { kinematics, mesh, materials, supports, forces: Vec::new(), contacts: Vec::new() };
+    let problem = Problem {
+        kinematics,
+        mesh,
+        materials,
+        supports,
+        forces: Vec::new(),
+        contacts: Vec::new(),
+        seconds_per_load: None,
+    };
     Solved::new(problem, &[1.0]).unwrap()
 }
 

@@ -79,5 +79,9 @@ fn solve(
 ) -> Solved {
     let materials = vec![Material::linear(1.0, poisson).unwrap()];
     let kinematics = Kinematics::Axisymmetric;
-    Solved::new(Problem { kinematics, mesh, materials, supports, forces, contacts: Vec::new() }, &[1.0]).unwrap()
+    Solved::new(
+        Problem { kinematics, mesh, materials, supports, forces, contacts: Vec::new(), seconds_per_load: None },
+        &[1.0],
+    )
+    .unwrap()
 }

@@ -43,7 +43,7 @@ impl Solved {
     pub fn new(problem: Problem, loads: &[f64]) -> Result<Self, PathError> {
         let start = Instant::now();
         let mut solver = Solver::new(&problem);
-        let state = follow(&mut solver, problem.start(), loads, &mut |_| true, &mut |_| ())?;
+        let state = follow(&mut solver, problem.start(), loads, &mut |_| true)?;
         let (iterations, seconds) = (solver.iterations, start.elapsed().as_secs_f64());
         Ok(Self { problem, state, iterations, seconds })
     }
