@@ -1,8 +1,8 @@
 //! Simulator of the multilayer total-internal-reflection tactile sensor.
 //!
 //! ```text
-//! scene.toml -> Scene -> Surface -> Film -> Frame -> Estimate -> Report
-//!               scene    surface    trace   camera   estimate    report
+//! scene.toml -> Scene -> Pressed -> Surface -> Film -> Frame -> Estimate -> Report
+//!               scene   mechanics   surface    trace   camera   estimate   report
 //! ```
 //!
 //! One folder a stage, in the order of the data; a stage imports only earlier ones. From a scene to an estimate:
