@@ -70,7 +70,7 @@ pub fn element_system(
     let small = material.law.is_small_strain();
     let compliance = 1.0 / material.bulk_kpa();
     let mut force = vec![0.0; unknowns];
-    let mut stiffness = vec![0.0; if tangent { unknowns * unknowns } else { 0 }];
+    let mut blocks = vec![[[[0.0; MAX_NODES]; 3]; 3]; if tangent { nodes.len() } else { 0 }];
     let mut slope = vec![0.0; pressures * unknowns];
     let mut mass = [[0.0; MAX_PRESSURES]; MAX_PRESSURES];
     let mut balance = [0.0; MAX_PRESSURES];
@@ -109,14 +109,14 @@ pub fn element_system(
             if !small {
                 add_cofactor_derivative(&f, p, &mut response.tangent);
             }
-            operator.add_stiffness(&response.tangent, volume, &mut stiffness);
+            operator.add_stiffness(&response.tangent, volume, &mut blocks);
         }
     }
     let volume_defect = balance[..pressures].iter().fold(0.0, |m: f64, b| m.max((b / mass[0][0]).abs()));
     let mut system = ElementSystem {
         condensed: force.clone(),
         force,
-        stiffness,
+        stiffness: Operator::spell_out(blocks.len(), dim, &blocks),
         pressure_defect: [0.0; MAX_PRESSURES],
         pressure_slope: slope,
         volume_defect,
@@ -214,59 +214,90 @@ fn add_cofactor_derivative(f: &Tensor, p: f64, tangent: &mut [[f64; 9]; 9]) {
     }
 }
 
+/// Components of F that a displacement component moves: by the gradients of its node's function along two axes, and
+/// along the third or as hoop.
+type Moves = [[usize; 3]; 3];
+
+/// In three dimensions.
+const MOVES_3D: Moves = [[0, 1, 2], [3, 4, 5], [6, 7, 8]];
+/// In two: the second component has no third part; it is never read.
+const MOVES_2D: Moves = [[0, 1, 8], [3, 4, 4], [0, 0, 0]];
+
 /// The strain operator at a point: how each unknown moves the nine components of F.
-struct Operator<'a> {
-    point: &'a MaterialPoint,
+struct Operator {
+    moves: Moves,
+    /// How many components of F each displacement component moves.
+    parts: [usize; 3],
+    /// Weights of these by node.
+    weight: [[f64; MAX_NODES]; 3],
     nodes: usize,
     dim: usize,
-    hoop: bool,
 }
 
-impl<'a> Operator<'a> {
-    fn new(kinematics: Kinematics, point: &'a MaterialPoint, nodes: usize) -> Self {
-        Self { point, nodes, dim: kinematics.dim(), hoop: kinematics == Kinematics::Axisymmetric }
+impl Operator {
+    fn new(kinematics: Kinematics, point: &MaterialPoint, nodes: usize) -> Self {
+        let dim = kinematics.dim();
+        let hoop = kinematics == Kinematics::Axisymmetric;
+        let mut weight = [[0.0; MAX_NODES]; 3];
+        for a in 0..nodes {
+            let gradient = point.gradient[a];
+            let third = if dim == 3 { gradient[2] } else { point.hoop[a] };
+            [weight[0][a], weight[1][a], weight[2][a]] = [gradient[0], gradient[1], third];
+        }
+        let (moves, parts) = match dim {
+            3 => (MOVES_3D, [3; 3]),
+            _ => (MOVES_2D, [if hoop { 3 } else { 2 }, 2, 0]),
+        };
+        Self { moves, parts, weight, nodes, dim }
     }
 
     /// forces += volume G^T stress.
     fn scatter(&self, stress: &[f64; 9], volume: f64, force: &mut [f64]) {
-        for a in 0..self.nodes {
-            let gradient = &self.point.gradient[a];
-            for c in 0..self.dim {
-                let mut sum = 0.0;
-                for j in 0..self.dim {
-                    sum += stress[3 * c + j] * gradient[j];
-                }
-                if self.hoop && c == 0 {
-                    sum += stress[8] * self.point.hoop[a];
-                }
-                force[a * self.dim + c] += volume * sum;
+        for c in 0..self.dim {
+            let mut part = [0.0; 3];
+            (0..self.parts[c]).for_each(|j| part[j] = volume * stress[self.moves[c][j]]);
+            for a in 0..self.nodes {
+                force[a * self.dim + c] += (0..3).map(|j| part[j] * self.weight[j][a]).sum::<f64>();
             }
         }
     }
 
-    /// stiffness += volume G^T tangent G.
-    fn add_stiffness(&self, tangent: &[[f64; 9]; 9], volume: f64, stiffness: &mut [f64]) {
-        let unknowns = self.nodes * self.dim;
-        let mut column = [0.0; MAX_NODES * 3];
-        for b in 0..self.nodes {
+    /// blocks += volume G^T tangent G for pairs of nodes a <= b: entry [b][d][c][a] joins component c of a and d of b.
+    fn add_stiffness(&self, tangent: &[[f64; 9]; 9], volume: f64, blocks: &mut [[[[f64; MAX_NODES]; 3]; 3]]) {
+        for (b, block) in blocks.iter_mut().enumerate().take(self.nodes) {
             for d in 0..self.dim {
-                let mut stress = [0.0; 9];
-                for (k, s) in stress.iter_mut().enumerate() {
-                    for j in 0..self.dim {
-                        *s += tangent[k][3 * d + j] * self.point.gradient[b][j];
+                for c in 0..self.dim {
+                    let mut part = [0.0; 3];
+                    for j in 0..self.parts[c] {
+                        let row = &tangent[self.moves[c][j]];
+                        let sum: f64 = (0..self.parts[d]).map(|l| row[self.moves[d][l]] * self.weight[l][b]).sum();
+                        part[j] = volume * sum;
                     }
-                    if self.hoop && d == 0 {
-                        *s += tangent[k][8] * self.point.hoop[b];
+                    let entries = block[d][c][..=b].iter_mut();
+                    let [x, y, z] = &self.weight;
+                    for (((entry, x), y), z) in entries.zip(x).zip(y).zip(z) {
+                        *entry += part[0] * x + part[1] * y + part[2] * z;
                     }
-                }
-                column[..unknowns].fill(0.0);
-                self.scatter(&stress, volume, &mut column[..unknowns]);
-                let row = b * self.dim + d;
-                for (entry, value) in stiffness[row * unknowns..(row + 1) * unknowns].iter_mut().zip(&column) {
-                    *entry += value;
                 }
             }
         }
+    }
+
+    /// The full row-major matrix of the blocks.
+    fn spell_out(nodes: usize, dim: usize, blocks: &[[[[f64; MAX_NODES]; 3]; 3]]) -> Vec<f64> {
+        let unknowns = nodes * dim;
+        let mut stiffness = vec![0.0; unknowns * unknowns];
+        for (b, block) in blocks.iter().enumerate().take(nodes) {
+            for d in 0..dim {
+                for c in 0..dim {
+                    for (a, entry) in block[d][c][..=b].iter().enumerate() {
+                        stiffness[(b * dim + d) * unknowns + a * dim + c] = *entry;
+                        stiffness[(a * dim + c) * unknowns + b * dim + d] = *entry;
+                    }
+                }
+            }
+        }
+        stiffness
     }
 }
 
