@@ -5,18 +5,24 @@
 //! cut is taken along the direction and at the place where it shares the fewest nodes. In a mesh of blocks that is a layer
 //! of faces, a single node thick.
 
-/// Directions along which cuts are sought: the axes, the diagonals in plan, and the distance from the axis.
-const DIRECTIONS: usize = 6;
+/// Directions along which cuts are sought in the plane: its axes.
+const PLANE: usize = 2;
+/// In space: the axes, the diagonals in plan, the distance from the axis and the angle around it. Against the axes alone the
+/// last four take a third of the work from the factor of a quarter of a round phantom.
+const SPACE: usize = 7;
 
 /// Least share of the elements on either side of a cut.
-const LEAST_SHARE: f64 = 0.35;
+const LEAST_SHARE: f64 = 0.25;
+/// Rise of a cut's cost from even parts to a side with nothing.
+const UNEVEN: f64 = 0.5;
 
 fn along(direction: usize, x: [f64; 3]) -> f64 {
     match direction {
         0..=2 => x[direction],
         3 => x[0] + x[1],
         4 => x[0] - x[1],
-        _ => x[0].hypot(x[1]),
+        5 => x[0].hypot(x[1]),
+        _ => x[1].atan2(x[0]),
     }
 }
 
@@ -37,6 +43,7 @@ pub fn nested_dissection(groups: &[Vec<u32>], positions: &[[f64; 3]]) -> Vec<u32
         first: vec![u32::MAX; count],
         last: vec![0; count],
         order: Vec::with_capacity(count),
+        directions: if positions.iter().all(|x| x[2] == 0.0) { PLANE } else { SPACE },
     };
     let mut all: Vec<u32> = (0..groups.len() as u32).filter(|&g| !groups[g as usize].is_empty()).collect();
     work.dissect(&mut all);
@@ -54,6 +61,7 @@ struct Dissection<'a> {
     first: Vec<u32>,
     last: Vec<u32>,
     order: Vec<u32>,
+    directions: usize,
 }
 
 impl Dissection<'_> {
@@ -66,7 +74,7 @@ impl Dissection<'_> {
             return;
         }
         let mut best: Option<(f64, usize, usize)> = None;
-        for direction in 0..DIRECTIONS {
+        for direction in 0..self.directions {
             self.sort(elements, direction);
             let (cost, cut) = self.cheapest_cut(elements);
             if best.is_none_or(|best| cost < best.0) {
@@ -118,7 +126,7 @@ impl Dissection<'_> {
             shared += change[cut];
             if cut >= least && count - cut >= least {
                 let uneven = (2.0 * cut as f64 / count as f64 - 1.0).abs();
-                let cost = shared as f64 * (1.0 + uneven);
+                let cost = shared as f64 * (1.0 + UNEVEN * uneven);
                 if cost < best.0 {
                     best = (cost, cut);
                 }
@@ -153,5 +161,47 @@ impl Dissection<'_> {
             }
         }
         separator
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The nodes of the cells of a grid of n x n cells, and the positions of its corners.
+    fn grid(n: u32) -> (Vec<Vec<u32>>, Vec<[f64; 3]>) {
+        let corner = |i: u32, j: u32| j * (n + 1) + i;
+        let cells = (0..n * n).map(|k| (k % n, k / n));
+        let groups = cells.map(|(i, j)| vec![corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1)]);
+        let positions = (0..(n + 1).pow(2)).map(|k| [f64::from(k % (n + 1)), f64::from(k / (n + 1)), 0.0]);
+        (groups.collect(), positions.collect())
+    }
+
+    #[test]
+    fn the_order_is_a_permutation() {
+        let (groups, mut positions) = grid(9);
+        // One more node that nothing holds.
+        positions.push([0.0; 3]);
+        let mut order = nested_dissection(&groups, &positions);
+        order.sort_unstable();
+        assert_eq!(order, (0..101).collect::<Vec<u32>>());
+    }
+
+    #[test]
+    fn the_last_nodes_cut_a_grid_in_two() {
+        let (groups, positions) = grid(8);
+        let order = nested_dissection(&groups, &positions);
+        let separator = &order[order.len() - 9..];
+        // One whole line of corners, in either direction, in the middle.
+        let line = |i: usize| separator.iter().all(|&a| (positions[a as usize][i] - 4.0).abs() < 1.5);
+        let straight =
+            |i: usize| separator.windows(2).all(|p| positions[p[0] as usize][i] == positions[p[1] as usize][i]);
+        assert!((0..2).any(|i| line(i) && straight(i)), "{separator:?}");
+    }
+
+    #[test]
+    fn coincident_elements_and_none_at_all() {
+        assert!(nested_dissection(&[], &[]).is_empty());
+        assert_eq!(nested_dissection(&vec![vec![0, 1]; 5], &[[0.0; 3]; 2]).len(), 2);
     }
 }

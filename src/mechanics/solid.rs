@@ -64,13 +64,27 @@ pub fn element_system(
     history: Option<(&[History], f64)>,
     tangent: bool,
 ) -> Option<ElementSystem> {
-    let dim = kinematics.dim();
+    let evaluate = if kinematics.dim() == 3 { system::<3, SOLID_NODES> } else { system::<2, PLANE_NODES> };
+    evaluate(kinematics, nodes, displacement, pressure, material, history, tangent)
+}
+
+/// The element in `D` dimensions; `N` is its number of nodes, made even for the sake of vector instructions.
+fn system<const D: usize, const N: usize>(
+    kinematics: Kinematics,
+    nodes: &[[f64; 3]],
+    displacement: &[[f64; 3]],
+    pressure: &[f64],
+    material: &Material,
+    history: Option<(&[History], f64)>,
+    tangent: bool,
+) -> Option<ElementSystem> {
+    let dim = D;
     let (unknowns, pressures) = (nodes.len() * dim, dim + 1);
     let frame = pressure_frame(nodes);
     let small = material.law.is_small_strain();
     let compliance = 1.0 / material.bulk_kpa();
     let mut force = vec![0.0; unknowns];
-    let mut blocks = vec![[[[0.0; MAX_NODES]; 3]; 3]; if tangent { nodes.len() } else { 0 }];
+    let mut blocks = Blocks::<N>::new(if tangent { nodes.len() } else { 0 });
     let mut slope = vec![0.0; pressures * unknowns];
     let mut mass = [[0.0; MAX_PRESSURES]; MAX_PRESSURES];
     let mut balance = [0.0; MAX_PRESSURES];
@@ -91,7 +105,7 @@ pub fn element_system(
         for k in 0..9 {
             response.stress[k] += p * direction[k / 3][k % 3];
         }
-        let operator = Operator::new(kinematics, &point, nodes.len());
+        let operator = Operator::<D, N>::new(kinematics, &point, nodes.len());
         let volume = point.volume;
         operator.scatter(&response.stress, volume, &mut force);
         let mut divergence = [0.0; MAX_NODES * 3];
@@ -116,7 +130,7 @@ pub fn element_system(
     let mut system = ElementSystem {
         condensed: force.clone(),
         force,
-        stiffness: Operator::spell_out(blocks.len(), dim, &blocks),
+        stiffness: blocks.spell_out(dim),
         pressure_defect: [0.0; MAX_PRESSURES],
         pressure_slope: slope,
         volume_defect,
@@ -214,90 +228,99 @@ fn add_cofactor_derivative(f: &Tensor, p: f64, tangent: &mut [[f64; 9]; 9]) {
     }
 }
 
+/// Numbers of nodes in three and two dimensions, rounded up to even ones.
+const SOLID_NODES: usize = 28;
+const PLANE_NODES: usize = 10;
+
 /// Components of F that a displacement component moves: by the gradients of its node's function along two axes, and
-/// along the third or as hoop.
-type Moves = [[usize; 3]; 3];
-
-/// In three dimensions.
-const MOVES_3D: Moves = [[0, 1, 2], [3, 4, 5], [6, 7, 8]];
-/// In two: the second component has no third part; it is never read.
-const MOVES_2D: Moves = [[0, 1, 8], [3, 4, 4], [0, 0, 0]];
-
-/// The strain operator at a point: how each unknown moves the nine components of F.
-struct Operator {
-    moves: Moves,
-    /// How many components of F each displacement component moves.
-    parts: [usize; 3],
-    /// Weights of these by node.
-    weight: [[f64; MAX_NODES]; 3],
-    nodes: usize,
-    dim: usize,
+/// along the third or as hoop. In two dimensions the second component has no third part.
+const fn moves(dim: usize) -> [[usize; 3]; 3] {
+    if dim == 3 { [[0, 1, 2], [3, 4, 5], [6, 7, 8]] } else { [[0, 1, 8], [3, 4, 0], [0; 3]] }
 }
 
-impl Operator {
-    fn new(kinematics: Kinematics, point: &MaterialPoint, nodes: usize) -> Self {
-        let dim = kinematics.dim();
-        let hoop = kinematics == Kinematics::Axisymmetric;
-        let mut weight = [[0.0; MAX_NODES]; 3];
-        for a in 0..nodes {
-            let gradient = point.gradient[a];
-            let third = if dim == 3 { gradient[2] } else { point.hoop[a] };
-            [weight[0][a], weight[1][a], weight[2][a]] = [gradient[0], gradient[1], third];
-        }
-        let (moves, parts) = match dim {
-            3 => (MOVES_3D, [3; 3]),
-            _ => (MOVES_2D, [if hoop { 3 } else { 2 }, 2, 0]),
-        };
-        Self { moves, parts, weight, nodes, dim }
+/// The strain operator at a point: how each unknown moves the nine components of F.
+struct Operator<const D: usize, const N: usize> {
+    /// How many components of F each displacement component moves.
+    parts: [usize; 3],
+    /// Weights of these by node, 0 beyond the last.
+    weight: [[f64; N]; 3],
+    nodes: usize,
+}
+
+/// Stiffness by pairs of components (c, d) with c <= d: entry [pair][b][a] joins component c of node a and d of node b.
+struct Blocks<const N: usize>([Vec<[f64; N]>; 6]);
+
+/// The pairs of components, those of two dimensions first.
+const PAIRS: [[usize; 2]; 6] = [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2]];
+
+const fn pairs(dim: usize) -> usize {
+    dim * (dim + 1) / 2
+}
+
+impl<const N: usize> Blocks<N> {
+    fn new(nodes: usize) -> Self {
+        Self(std::array::from_fn(|_| vec![[0.0; N]; nodes]))
     }
 
-    /// forces += volume G^T stress.
-    fn scatter(&self, stress: &[f64; 9], volume: f64, force: &mut [f64]) {
-        for c in 0..self.dim {
-            let mut part = [0.0; 3];
-            (0..self.parts[c]).for_each(|j| part[j] = volume * stress[self.moves[c][j]]);
-            for a in 0..self.nodes {
-                force[a * self.dim + c] += (0..3).map(|j| part[j] * self.weight[j][a]).sum::<f64>();
-            }
-        }
-    }
-
-    /// blocks += volume G^T tangent G for pairs of nodes a <= b: entry [b][d][c][a] joins component c of a and d of b.
-    fn add_stiffness(&self, tangent: &[[f64; 9]; 9], volume: f64, blocks: &mut [[[[f64; MAX_NODES]; 3]; 3]]) {
-        for (b, block) in blocks.iter_mut().enumerate().take(self.nodes) {
-            for d in 0..self.dim {
-                for c in 0..self.dim {
-                    let mut part = [0.0; 3];
-                    for j in 0..self.parts[c] {
-                        let row = &tangent[self.moves[c][j]];
-                        let sum: f64 = (0..self.parts[d]).map(|l| row[self.moves[d][l]] * self.weight[l][b]).sum();
-                        part[j] = volume * sum;
-                    }
-                    let entries = block[d][c][..=b].iter_mut();
-                    let [x, y, z] = &self.weight;
-                    for (((entry, x), y), z) in entries.zip(x).zip(y).zip(z) {
-                        *entry += part[0] * x + part[1] * y + part[2] * z;
-                    }
-                }
-            }
-        }
-    }
-
-    /// The full row-major matrix of the blocks.
-    fn spell_out(nodes: usize, dim: usize, blocks: &[[[[f64; MAX_NODES]; 3]; 3]]) -> Vec<f64> {
+    /// The full row-major matrix.
+    fn spell_out(&self, dim: usize) -> Vec<f64> {
+        let nodes = self.0[0].len();
         let unknowns = nodes * dim;
         let mut stiffness = vec![0.0; unknowns * unknowns];
-        for (b, block) in blocks.iter().enumerate().take(nodes) {
-            for d in 0..dim {
-                for c in 0..dim {
-                    for (a, entry) in block[d][c][..=b].iter().enumerate() {
-                        stiffness[(b * dim + d) * unknowns + a * dim + c] = *entry;
-                        stiffness[(a * dim + c) * unknowns + b * dim + d] = *entry;
-                    }
+        for ([c, d], block) in PAIRS.iter().zip(&self.0).take(pairs(dim)) {
+            for (b, row) in block.iter().enumerate() {
+                for (a, entry) in row.iter().enumerate().take(nodes) {
+                    stiffness[(b * dim + d) * unknowns + a * dim + c] = *entry;
+                    stiffness[(a * dim + c) * unknowns + b * dim + d] = *entry;
                 }
             }
         }
         stiffness
+    }
+}
+
+impl<const D: usize, const N: usize> Operator<D, N> {
+    fn new(kinematics: Kinematics, point: &MaterialPoint, nodes: usize) -> Self {
+        let hoop = kinematics == Kinematics::Axisymmetric;
+        let mut weight = [[0.0; N]; 3];
+        for a in 0..nodes.min(N) {
+            let gradient = &point.gradient[a];
+            let third = if D == 3 { gradient[2] } else { point.hoop[a] };
+            [weight[0][a], weight[1][a], weight[2][a]] = [gradient[0], gradient[1], third];
+        }
+        let parts = if D == 3 { [3; 3] } else { [if hoop { 3 } else { 2 }, 2, 0] };
+        Self { parts, weight, nodes }
+    }
+
+    /// forces += volume G^T stress.
+    fn scatter(&self, stress: &[f64; 9], volume: f64, force: &mut [f64]) {
+        for c in 0..D {
+            let mut part = [0.0; 3];
+            (0..self.parts[c]).for_each(|j| part[j] = volume * stress[moves(D)[c][j]]);
+            let [x, y, z] = &self.weight;
+            for a in 0..self.nodes.min(N) {
+                force[a * D + c] += part[0] * x[a] + part[1] * y[a] + part[2] * z[a];
+            }
+        }
+    }
+
+    /// blocks += volume G^T tangent G.
+    fn add_stiffness(&self, tangent: &[[f64; 9]; 9], volume: f64, blocks: &mut Blocks<N>) {
+        let [x, y, z] = &self.weight;
+        for ([c, d], block) in PAIRS.iter().zip(&mut blocks.0).take(pairs(D)) {
+            let mut part = [[0.0; 3]; 3];
+            for j in 0..self.parts[*c] {
+                for l in 0..self.parts[*d] {
+                    part[j][l] = volume * tangent[moves(D)[*c][j]][moves(D)[*d][l]];
+                }
+            }
+            for (b, row) in block.iter_mut().enumerate() {
+                let [p, q, r] = part.map(|part| part[0] * x[b] + part[1] * y[b] + part[2] * z[b]);
+                for a in 0..N {
+                    row[a] += p * x[a] + q * y[a] + r * z[a];
+                }
+            }
+        }
     }
 }
 
