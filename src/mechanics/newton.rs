@@ -4,7 +4,7 @@ use super::contact::{Coupling, Grip, NodeGap, Positions, SPRING};
 use super::element::quadrature;
 use super::material::History;
 use super::problem::{Problem, State, Traction};
-use super::solid::{ElementSystem, advance_history, element_system};
+use super::solid::{ElementSystem, advance_history, element_system, tangent_bulk_kpa};
 use super::sparse::{SparseCholesky, SparseError};
 use rayon::prelude::*;
 use thiserror::Error;
@@ -18,6 +18,7 @@ pub struct Solver<'a> {
     /// Prescribed displacement of each component at load factor 1.
     prescribed: Vec<f64>,
     matrix: Option<SparseCholesky>,
+    tangent_bulk_kpa: f64,
     /// Forces of a strain of `FLOOR_STRAIN`, mN.
     floor: Vec<f64>,
     /// Time of the present step, s.
@@ -141,6 +142,7 @@ impl<'a> Solver<'a> {
             equations: equations as usize,
             prescribed,
             matrix: None,
+            tangent_bulk_kpa: tangent_bulk_kpa(&problem.materials),
             floor: floor(problem),
             seconds: 0.0,
             iterations: 0,
@@ -174,7 +176,7 @@ impl<'a> Solver<'a> {
             }
             (0..3).for_each(|i| next.vector[i] = line(before.vector[i], next.vector[i]));
         }
-        let sound = |e| self.element(e, &next, false).is_some();
+        let sound = |e| self.element(e, &next, None).is_some();
         (share.is_finite() && (0..next.history.len()).into_par_iter().all(sound)).then_some(next)
     }
 
@@ -288,14 +290,14 @@ impl<'a> Solver<'a> {
         (element.iter().map(|&a| self.problem.mesh.nodes[a as usize]).collect(), element)
     }
 
-    fn element(&self, e: usize, state: &State, tangent: bool) -> Option<ElementSystem> {
+    fn element(&self, e: usize, state: &State, tangent_bulk_kpa: Option<f64>) -> Option<ElementSystem> {
         let (nodes, element) = self.nodes(e);
         let displacement: Vec<[f64; 3]> = element.iter().map(|&a| state.displacement[a as usize]).collect();
         let pressures = self.problem.kinematics.dim() + 1;
         let material = &self.problem.materials[self.problem.mesh.region[e] as usize];
         let pressure = &state.pressure[e * pressures..(e + 1) * pressures];
         let history = Some((state.history[e].as_slice(), self.seconds));
-        element_system(self.problem.kinematics, &nodes, &displacement, pressure, material, history, tangent)
+        element_system(self.problem.kinematics, &nodes, &displacement, pressure, material, history, tangent_bulk_kpa)
     }
 
     fn touches(&self, state: &State, before: &[[f64; 3]]) -> Vec<Touching> {
@@ -327,15 +329,19 @@ impl<'a> Solver<'a> {
         let elements: Vec<usize> = (0..problem.mesh.element_count()).collect();
         for chunk in elements.chunks(CHUNK) {
             let chunk_systems: Option<Vec<ElementSystem>> =
-                chunk.par_iter().map(|&e| self.element(e, state, true)).collect();
-            for (&e, mut system) in chunk.iter().zip(chunk_systems.ok_or(StepError::InsideOut)?) {
+                chunk.par_iter().map(|&e| self.element(e, state, Some(self.tangent_bulk_kpa))).collect();
+            let Some(chunk_systems) = chunk_systems else {
+                self.matrix = Some(matrix);
+                return Err(StepError::InsideOut);
+            };
+            for (&e, mut system) in chunk.iter().zip(chunk_systems) {
                 let unknowns = unknowns(problem.mesh.element(e), dim);
                 for (&k, f) in unknowns.iter().zip(&system.force) {
                     residual[k] += f;
                     size[k] += f.abs();
                 }
                 volume = volume.max(system.volume_defect);
-                self.add_element(&mut matrix, &unknowns, &system.stiffness, &system.condensed);
+                self.add_element(&mut matrix, problem.mesh.element(e), &unknowns, &system.stiffness);
                 system.stiffness = held_columns(&unknowns, &self.equation, &system.stiffness);
                 systems.push(system);
             }
@@ -376,49 +382,28 @@ impl<'a> Solver<'a> {
 
     /// Makes sure that the pattern holds all pairs that now touch.
     fn prepare(&mut self, touches: &[Touching]) -> Result<(), SparseError> {
-        let dim = self.problem.kinematics.dim();
-        let numbers = |nodes: &[u32]| -> Vec<u32> {
-            let all = nodes.iter().flat_map(|&a| (0..dim).map(move |c| a as usize * dim + c));
-            all.map(|k| self.equation[k]).filter(|&e| e != HELD).collect()
-        };
-        let groups: Vec<Vec<u32>> = touches
-            .iter()
-            .flat_map(|t| &t.nodes)
-            .map(|touch| numbers(&touch.gap.moved.iter().map(|entry| entry.0).collect::<Vec<_>>()))
-            .collect();
-        let known = self.matrix.as_ref().is_some_and(|matrix| {
-            groups.iter().all(|group| {
-                group.iter().all(|&a| group.first().is_none_or(|&b| matrix.position(a, b).is_some()))
-                    && group.windows(2).all(|pair| matrix.position(pair[0], pair[1]).is_some())
-                    && group.first().zip(group.last()).is_none_or(|(&a, &b)| matrix.position(a, b).is_some())
-            })
-        });
-        if known {
+        let touching = touches.iter().flat_map(|t| &t.nodes);
+        let contacts: Vec<Vec<u32>> =
+            touching.map(|touch| touch.gap.moved.iter().map(|entry| entry.0).collect()).collect();
+        if self.matrix.as_ref().is_some_and(|matrix| contacts.iter().all(|group| matrix.couples(group))) {
             return Ok(());
         }
-        let elements: Vec<Vec<u32>> =
-            (0..self.problem.mesh.element_count()).map(|e| numbers(self.problem.mesh.element(e))).collect();
-        let all = elements.iter().chain(&groups).map(Vec::as_slice);
-        self.matrix = Some(SparseCholesky::new(self.equations, all)?);
+        let (mesh, dim) = (&self.problem.mesh, self.problem.kinematics.dim());
+        let mut groups: Vec<Vec<u32>> = (0..mesh.element_count()).map(|e| mesh.element(e).to_vec()).collect();
+        groups.extend(contacts);
+        let mut first = vec![0];
+        for unknowns in self.equation.chunks(dim) {
+            let free = unknowns.iter().filter(|e| **e != HELD).count() as u32;
+            first.push(first.last().map_or(0, |last| last + free));
+        }
+        self.matrix = Some(SparseCholesky::new(first, &mesh.nodes, &groups)?);
         self.symbolic += 1;
         Ok(())
     }
 
-    fn add_element(&self, matrix: &mut SparseCholesky, unknowns: &[usize], stiffness: &[f64], _condensed: &[f64]) {
-        let n = unknowns.len();
-        for (j, &column) in unknowns.iter().enumerate() {
-            let column = self.equation[column];
-            for (i, &row) in unknowns.iter().enumerate() {
-                let row = self.equation[row];
-                if row >= column
-                    && row != HELD
-                    && column != HELD
-                    && let Some(place) = matrix.position(row, column)
-                {
-                    matrix.values[place] += stiffness[i * n + j];
-                }
-            }
-        }
+    fn add_element(&self, matrix: &mut SparseCholesky, nodes: &[u32], unknowns: &[usize], stiffness: &[f64]) {
+        let numbers: Vec<u32> = unknowns.iter().map(|&k| self.equation[k]).collect();
+        matrix.add(nodes, &numbers, stiffness);
     }
 
     fn add_contacts(&self, matrix: &mut SparseCholesky, touches: &[Touching]) {
@@ -518,7 +503,7 @@ impl<'a> Solver<'a> {
         let mut share = 1.0;
         for _ in 0..HALVINGS {
             let next = self.moved(state, systems, touches, change, share);
-            let sound = (0..systems.len()).into_par_iter().all(|e| self.element(e, &next, false).is_some());
+            let sound = (0..systems.len()).into_par_iter().all(|e| self.element(e, &next, None).is_some());
             if sound {
                 return Ok(next);
             }

@@ -44,7 +44,7 @@ pub fn reactions(problem: &Problem, state: &State) -> Option<Vec<[f64; 3]>> {
             element.pressure,
             &problem.materials[problem.mesh.region[e] as usize],
             None,
-            false,
+            None,
         )?;
         for (&node, force) in problem.mesh.element(e).iter().zip(system.force.chunks(dim)) {
             (0..dim).for_each(|i| forces[node as usize][i] += force[i]);

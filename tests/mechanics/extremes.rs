@@ -124,7 +124,16 @@ fn an_elements_tangent_resists_all_but_rigid_motions() {
                 let nodes: Vec<[f64; 3]> = mesh.element(1).iter().map(|&a| mesh.nodes[a as usize]).collect();
                 let material = Material::elastic(law.clone(), poisson).unwrap();
                 let still = vec![[0.0; 3]; nodes.len()];
-                let system = element_system(kinematics, &nodes, &still, &[0.0; 4], &material, None, true).unwrap();
+                let system = element_system(
+                    kinematics,
+                    &nodes,
+                    &still,
+                    &[0.0; 4],
+                    &material,
+                    None,
+                    Some(1e4 * material.law.shear_kpa()),
+                )
+                .unwrap();
                 let n = system.force.len();
                 let matrix = Mat::from_fn(n, n, |i, j| system.stiffness[i * n + j]);
                 let skew =

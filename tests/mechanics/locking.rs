@@ -34,8 +34,11 @@ fn bilinear_cook(lambda: f64, n: usize) -> f64 {
     let free: Vec<u32> = (0u32..).zip(&mesh.nodes).filter(|(_, x)| x[0] > 0.0).map(|(node, _)| node).collect();
     let equation = |node: u32, axis: u32| free.binary_search(&node).ok().map(|k| 2 * k as u32 + axis);
     let equations = |cell: &[u32; 4]| [0, 1, 2, 3, 4, 5, 6, 7].map(|k| equation(cell[k / 2], k as u32 % 2));
-    let groups: Vec<Vec<u32>> = cells.iter().map(|cell| equations(cell).into_iter().flatten().collect()).collect();
-    let mut matrix = SparseCholesky::new(2 * free.len(), groups.iter().map(Vec::as_slice)).unwrap();
+    let node = |a: &u32| free.binary_search(a).ok().map(|k| k as u32);
+    let groups: Vec<Vec<u32>> = cells.iter().map(|cell| cell.iter().filter_map(node).collect()).collect();
+    let positions: Vec<[f64; 3]> = free.iter().map(|&a| mesh.nodes[a as usize]).collect();
+    let first = (0..=free.len() as u32).map(|k| 2 * k).collect();
+    let mut matrix = SparseCholesky::new(first, &positions, &groups).unwrap();
     for cell in &cells {
         let stiffness = bilinear_stiffness(cell.map(|a| mesh.nodes[a as usize]), lambda);
         let numbers = equations(cell);

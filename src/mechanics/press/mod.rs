@@ -52,4 +52,6 @@ pub enum PressError {
 }
 
 #[cfg(test)]
+mod solid_tests;
+#[cfg(test)]
 mod tests;
