@@ -20,6 +20,7 @@ mod eccentricity;
 mod feature;
 mod features;
 mod parabola;
+pub mod scan;
 mod table;
 
 pub use feature::Feature;
