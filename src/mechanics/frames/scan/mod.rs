@@ -7,15 +7,18 @@
 //! the same mesh with the tissue's material in place of the inclusions', so what the mesh and the ends of the strip do
 //! to a frame is in both.
 
+mod compliance;
 mod error;
 mod press;
 mod run;
 mod sample;
 mod setup;
+mod shown;
 
 pub use error::{FrameError, ScanError};
-pub use run::{ScanSettings, ScanStage, Scanned, Shown, scan};
+pub use run::{ScanSettings, ScanStage, Scanned, scan};
 pub use setup::ScanSetup;
+pub use shown::Shown;
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]

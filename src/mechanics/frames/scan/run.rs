@@ -1,13 +1,13 @@
 //! All positions of a scan.
 
-use super::press::{Pressed, press};
+use super::compliance::Compliance;
+use super::press::{Pressed, press, press_linear};
 use super::sample::frame;
-use super::{FrameError, ScanError, ScanSetup};
+use super::{FrameError, ScanError, ScanSetup, Shown};
 use crate::mechanics::frames::{Frame, Frames};
 use crate::mechanics::mesh::Mesh;
 use crate::mechanics::path::PathError;
-use crate::mechanics::press::{ContactPoint, contact_points};
-use crate::mechanics::problem::State;
+use crate::mechanics::press::contact_points;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -45,6 +45,8 @@ pub struct Scanned {
     pub error: Option<FrameError>,
     /// Displacement unknowns.
     pub unknowns: usize,
+    /// Whether linear tissue let one factorisation serve all positions.
+    pub one_factorisation: bool,
     /// Newton iterations, all positions, with and without inclusions.
     pub iterations: usize,
     /// Seconds, without the error estimate.
@@ -53,22 +55,13 @@ pub struct Scanned {
     pub error_seconds: f64,
 }
 
-/// One position, whole.
-#[derive(Debug, Clone)]
-pub struct Shown {
-    /// Position of the indenter, mm.
-    pub position_mm: f64,
-    /// The undeformed tissue.
-    pub mesh: Mesh,
-    /// Its balance.
-    pub state: State,
-    /// Nodes of the touched face.
-    pub points: Vec<ContactPoint>,
-}
-
 /// Error of the finer mesh as a share of the difference of the two: 1 / (2^q - 1) with q = 1, because the edge of the
 /// contact, where the pressure's slope is infinite, is met to a share of an element.
 const SHARE: f64 = 1.0;
+
+/// Shares of the work after the factorisations and after the last position: measured on the preset.
+const FACTORISED: f64 = 0.5;
+const PRESSED: f64 = 0.98;
 
 /// What is left of a position.
 struct Done {
@@ -91,26 +84,37 @@ pub fn scan(
     let started = Instant::now();
     let mesh = setup.tissue.build_2d()?;
     let tissues = [(setup.clone(), "with its inclusions"), (setup.without_inclusions(), "without inclusions")];
+    let compliances = compliances(&tissues, &mesh, observe)?;
+    let first = if compliances.is_some() { FACTORISED } else { 0.0 };
     let shown = nearest(&setup.positions_mm, settings.shown_mm);
     let (finished, all) = (AtomicUsize::new(0), 2 * setup.positions_mm.len());
-    let stage = |what| {
-        let done = finished.load(Ordering::Relaxed) as f64 / all as f64;
-        observe(ScanStage { done: 0.99 * done, what })
+    let stage = || {
+        let share = finished.load(Ordering::Relaxed) as f64 / all as f64;
+        observe(ScanStage { done: first + (PRESSED - first) * share, what: "pressing" })
     };
     let jobs: Vec<(usize, usize)> = (0..setup.positions_mm.len()).flat_map(|k| [(k, 0), (k, 1)]).collect();
     let done: Vec<Done> = jobs
         .par_iter()
         .map(|&(k, which)| {
             let (tissue, name) = &tissues[which];
-            let position_mm = setup.positions_mm[k];
-            let pressed = press(tissue, &mesh, position_mm, &mut |_| stage("pressing")).map_err(|cause| match cause {
-                PathError::Stopped => ScanError::Stopped,
-                cause => ScanError::Position { position_mm, tissue: name, cause },
-            })?;
+            let (position_mm, keep) = (setup.positions_mm[k], which == 0 && k == shown);
+            if !stage() {
+                return Err(ScanError::Stopped);
+            }
+            // What is shown needs more than the face.
+            let compliance = compliances.as_ref().filter(|_| !keep).map(|both| &both[which]);
+            let pressed = match compliance.and_then(|c| press_linear(tissue, &mesh, c, position_mm)) {
+                Some(pressed) => pressed,
+                None => press(tissue, &mesh, position_mm, &mut |_| stage()).map_err(|cause| match cause {
+                    PathError::Stopped => ScanError::Stopped,
+                    cause => ScanError::Position { position_mm, tissue: name, cause },
+                })?,
+            };
             finished.fetch_add(1, Ordering::Relaxed);
-            Ok(reduce(pressed, position_mm, &setup.places_mm, which == 0 && k == shown))
+            Ok(reduce(pressed, position_mm, &setup.places_mm, keep))
         })
         .collect::<Result<_, ScanError>>()?;
+    let one_factorisation = compliances.is_some();
     let iterations = done.iter().map(|one| one.iterations).sum();
     let unknowns = done.first().map_or(0, |one| one.unknowns);
     let (mut frames, mut without, mut force_n_per_mm, mut kept) = (Vec::new(), Vec::new(), Vec::new(), None);
@@ -128,11 +132,36 @@ pub fn scan(
     let shown = kept.ok_or(ScanError::Stopped)?;
     let started = Instant::now();
     let error = match settings.estimate_error {
-        true => estimate(setup, &shown, &mut |_| observe(ScanStage { done: 0.99, what: "estimating the error" }))?,
+        true => estimate(setup, &shown, &mut |_| observe(ScanStage { done: PRESSED, what: "estimating the error" }))?,
         false => None,
     };
     let error_seconds = started.elapsed().as_secs_f64();
-    Ok(Scanned { frames, without, force_n_per_mm, shown, error, unknowns, iterations, seconds, error_seconds })
+    Ok(Scanned { frames, without, force_n_per_mm, shown, error, unknowns, one_factorisation, iterations, seconds, error_seconds })
+}
+
+/// Compliances of both tissues, where they are linear enough and can be factorised.
+fn compliances(
+    tissues: &[(ScanSetup, &str); 2],
+    mesh: &Mesh,
+    observe: &(dyn Fn(ScanStage) -> bool + Sync),
+) -> Result<Option<Vec<Compliance>>, ScanError> {
+    if !Compliance::suits(&tissues[0].0) {
+        return Ok(None);
+    }
+    let mut both = Vec::new();
+    for ((tissue, _), first) in tissues.iter().zip([0.0, 0.5]) {
+        let stage = |share: f64| {
+            let done = FACTORISED * (first + 0.5 * share);
+            observe(ScanStage { done, what: "factorising" })
+        };
+        match Compliance::new(tissue, mesh, &stage) {
+            Ok(Some(compliance)) => both.push(compliance),
+            Ok(None) => return Err(ScanError::Stopped),
+            // Then each position has to be solved whole.
+            Err(_) => return Ok(None),
+        }
+    }
+    Ok(Some(both))
 }
 
 /// Place of the position nearest to one.
