@@ -160,7 +160,7 @@ impl Reading {
             row("peak", said(&f.peak_kpa, "kPa")),
             row("base", said(&f.base_kpa, "kPa")),
             row("width", said(&f.fwhm_mm, "mm at half of the peak")),
-            row("eccentricity", said(&f.eccentricity, "")),
+            row("eccentricity", said(&rounded(&f.eccentricity), "")),
             row("over all", self.ranges()),
             row("folder", out.to_owned()),
             row("report", format!("{out}/report.html")),
@@ -190,6 +190,11 @@ impl Reading {
 /// Whether a frame has pressure at one of its ends.
 fn is_cut(frame: &Frame) -> bool {
     [frame.pressure_kpa.first(), frame.pressure_kpa.last()].into_iter().flatten().any(|p| *p > 0.0)
+}
+
+/// To a thousandth: an eccentricity of rounding alone is 0.
+fn rounded(feature: &Feature) -> Feature {
+    feature.value().map_or_else(|| feature.clone(), |value| Feature::known((1e3 * value).round() * 1e-3 + 0.0))
 }
 
 /// A feature in words.

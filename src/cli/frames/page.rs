@@ -2,7 +2,7 @@
 
 use super::super::facts::figure;
 use super::pictures::Pictures;
-use super::{Reading, said};
+use super::{Reading, rounded, said};
 use crate::mechanics::frames::Feature;
 use crate::report::{Item, Report, Section, Table};
 
@@ -50,7 +50,11 @@ fn picture(svg: &str, alt: &str, caption: impl Into<String>) -> Item {
 
 fn frames(reading: &Reading, pictures: &Pictures) -> Section {
     let mut items = vec![
-        picture(&pictures.frames, "frames in false colour", "Each frame is a horizontal stripe (figure 5 of Galea and Howe)."),
+        picture(
+            &pictures.frames,
+            "frames in false colour",
+            "Each frame is a horizontal stripe (figure 5 of Galea and Howe).",
+        ),
         picture(
             &pictures.frame,
             "one frame with its parabola",
@@ -67,7 +71,7 @@ fn features(reading: &Reading, pictures: &Pictures) -> Section {
         None => "undefined".to_owned(),
     };
     let rows = reading.features.iter().map(|f| {
-        let features = [&f.peak_kpa, &f.base_kpa, &f.center_mm, &f.fwhm_mm, &f.eccentricity];
+        let features = [&f.peak_kpa, &f.base_kpa, &rounded(&f.center_mm), &f.fwhm_mm, &rounded(&f.eccentricity)];
         std::iter::once(figure(f.position_mm)).chain(features.map(cell)).collect()
     });
     let columns = ["position (mm)", "peak (kPa)", "base (kPa)", "centre (mm)", "width (mm)", "eccentricity"];

@@ -163,7 +163,8 @@ impl Computed {
     pub fn facts(&self) -> Vec<(String, String)> {
         let done = &self.scanned;
         let row = |name: &str, value: String| (name.to_owned(), value);
-        let how = if done.one_factorisation { "one factorisation for all positions" } else { "each position by itself" };
+        let how =
+            if done.one_factorisation { "one factorisation for all positions" } else { "each position by itself" };
         let error = match &done.error {
             Some(error) => format!(
                 "{} % rms, {} % of the highest pressure, at {} mm",

@@ -60,11 +60,7 @@ impl Compliance {
     ///
     /// # Errors
     /// Where the system cannot be factorised.
-    pub fn new(
-        setup: &ScanSetup,
-        mesh: &Mesh,
-        observe: &dyn Fn(f64) -> bool,
-    ) -> Result<Option<Self>, SparseError> {
+    pub fn new(setup: &ScanSetup, mesh: &Mesh, observe: &dyn Fn(f64) -> bool) -> Result<Option<Self>, SparseError> {
         let reach = match setup.tissue.footprint {
             Footprint::Round { radius_mm } => radius_mm,
             Footprint::Rectangle { half_widths_mm } => half_widths_mm[0],
@@ -221,8 +217,14 @@ fn active(contact: &Contact, gaps: &[NodeGap], pressure: &[f64]) -> Vec<usize> {
 }
 
 /// The tissue's stiffness, factorised.
-fn assembled(setup: &ScanSetup, mesh: &Mesh, equation: &[u32], equations: usize) -> Result<SparseCholesky, SparseError> {
-    let numbers = |e: usize| mesh.element(e).iter().flat_map(|&a| [equation[2 * a as usize], equation[2 * a as usize + 1]]);
+fn assembled(
+    setup: &ScanSetup,
+    mesh: &Mesh,
+    equation: &[u32],
+    equations: usize,
+) -> Result<SparseCholesky, SparseError> {
+    let numbers =
+        |e: usize| mesh.element(e).iter().flat_map(|&a| [equation[2 * a as usize], equation[2 * a as usize + 1]]);
     let groups: Vec<Vec<u32>> =
         (0..mesh.element_count()).map(|e| numbers(e).filter(|&k| k != NONE).collect()).collect();
     let mut system = SparseCholesky::new(equations, groups.iter().map(Vec::as_slice))?;

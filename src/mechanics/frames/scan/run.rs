@@ -136,7 +136,18 @@ pub fn scan(
         false => None,
     };
     let error_seconds = started.elapsed().as_secs_f64();
-    Ok(Scanned { frames, without, force_n_per_mm, shown, error, unknowns, one_factorisation, iterations, seconds, error_seconds })
+    Ok(Scanned {
+        frames,
+        without,
+        force_n_per_mm,
+        shown,
+        error,
+        unknowns,
+        one_factorisation,
+        iterations,
+        seconds,
+        error_seconds,
+    })
 }
 
 /// Compliances of both tissues, where they are linear enough and can be factorised.

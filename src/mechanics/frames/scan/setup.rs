@@ -26,13 +26,13 @@ pub struct ScanSetup {
     pub places_mm: Vec<f64>,
 }
 
-/// Sizes of elements at resolution 1. Along the face they are 0.35 mm: the contact ends with a vertical tangent of the
+/// Sizes of elements at resolution 1. Along the face they are 0.4 mm: the contact ends with a vertical tangent of the
 /// pressure somewhere between two nodes, half an element apart, and moves with the position.
 const RESOLUTION: Resolution = Resolution {
-    edge_mm: 0.7,
-    contact_mm: 0.7,
+    edge_mm: 0.8,
+    contact_mm: 0.8,
     coarsest_mm: 5.0,
-    growth: 0.35,
+    growth: 0.5,
     inclusion_divisions: 4.0,
     subdivision: 2,
 };
@@ -67,7 +67,8 @@ impl ScanSetup {
                 Interface::Frictionless => Grip::Frictionless,
                 Interface::Coulomb { friction } => Grip::Coulomb(friction),
                 Interface::Tied => {
-                    let message = "a face that sticks from the start cannot wrap an indenter; take frictionless or coulomb";
+                    let message =
+                        "a face that sticks from the start cannot wrap an indenter; take frictionless or coulomb";
                     return Err(ScanError::Unsupported { key: "scan.interface", message });
                 }
             },
