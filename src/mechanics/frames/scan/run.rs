@@ -217,7 +217,7 @@ fn estimate(
     let size = squares(&mut fine.pressure_kpa.iter().copied());
     let peak = |frame: &Frame| frame.pressure_kpa.iter().copied().fold(0.0, f64::max);
     let (high, low) = (peak(&fine), peak(&coarse));
-    Ok((size > 0.0 && high > 0.0).then(|| FrameError {
+    Ok((size > 0.0 && high > 0.0).then_some(FrameError {
         position_mm: shown.position_mm,
         rms: SHARE * (squares(&mut pairs().map(|(a, b)| a - b)) / size).sqrt(),
         peak: SHARE * (high - low).abs() / high,
