@@ -15,6 +15,8 @@ use tirtouch::image_io::{Provenance, write_radiance};
 mod bad_input;
 #[path = "cli/estimate.rs"]
 mod estimate;
+#[path = "cli/frames.rs"]
+mod frames;
 #[path = "cli/inspect.rs"]
 mod inspect;
 #[path = "cli/jobs.rs"]

@@ -5,8 +5,9 @@ use crate::camera::exposure::ExposureError;
 use crate::estimate::CalibrationError;
 use crate::film::compare::CompareError;
 use crate::image_io::ImageError;
-use crate::report::PictureError;
-use crate::scene::SceneError;
+use crate::mechanics::frames::scan::ScanError;
+use crate::report::{PictureError, VtuError};
+use crate::scene::{DataFileError, SceneError};
 use crate::surface::SurfaceError;
 use crate::trace::TraceError;
 use serde_json::json;
@@ -85,6 +86,18 @@ impl Failure {
     #[must_use]
     pub fn at_key(self, key: impl Into<String>) -> Self {
         Self { key: Some(key.into()), ..self }
+    }
+
+    /// Whether it says which file it is about.
+    #[must_use]
+    pub fn names_a_file(&self) -> bool {
+        self.file.is_some()
+    }
+
+    /// The same with something before the message.
+    #[must_use]
+    pub fn prefixed(self, place: &str) -> Self {
+        Self { message: format!("{place}: {}", self.message), ..self }
     }
 
     /// The line without the program's name.
@@ -191,6 +204,31 @@ impl From<ProjectionError> for Failure {
 impl From<PictureError> for Failure {
     fn from(error: PictureError) -> Self {
         Self::failed(error.to_string())
+    }
+}
+
+impl From<VtuError> for Failure {
+    fn from(error: VtuError) -> Self {
+        Self::failed(error.to_string())
+    }
+}
+
+impl From<DataFileError> for Failure {
+    fn from(error: DataFileError) -> Self {
+        let failure = Self::input(error.to_string()).in_file(&error.file);
+        Self { line: error.line, ..failure }
+    }
+}
+
+impl From<ScanError> for Failure {
+    fn from(error: ScanError) -> Self {
+        match error {
+            ScanError::Unsupported { key, .. } => Self::input(error.to_string()).at_key(key),
+            ScanError::Mesh(_) | ScanError::Material(_) => Self::input(error.to_string()),
+            ScanError::File(file) => file.into(),
+            ScanError::Position { .. } | ScanError::Frames(_) => Self::failed(error.to_string()),
+            ScanError::Stopped => Self::cancelled(),
+        }
     }
 }
 

@@ -11,6 +11,7 @@ mod error;
 mod estimate;
 mod facts;
 mod flags;
+mod frames;
 mod inspect;
 mod job;
 mod measure;
@@ -58,6 +59,7 @@ enum Command {
     Render(render::Render),
     Estimate(estimate::Estimate),
     Compare(compare::Compare),
+    Frames(frames::FramesCommand),
     Inspect(inspect::Inspect),
     Schema(schema::Schema),
 }
@@ -71,6 +73,7 @@ impl Command {
             Self::Render(render) => render.run(),
             Self::Estimate(estimate) => estimate.run(),
             Self::Compare(compare) => compare.run(),
+            Self::Frames(frames) => frames.run(),
             Self::Inspect(inspect) => inspect.run(),
             Self::Schema(schema) => schema.run(),
         }

@@ -248,6 +248,24 @@ impl SparseCholesky {
         );
     }
 
+    /// Solves for several right sides, one column after the other, with the last factor, in place.
+    ///
+    /// # Errors
+    /// [`SparseError::TooLarge`] where there is no memory for the work.
+    pub fn solve_columns(&self, columns: &mut [f64]) -> Result<(), SparseError> {
+        let n = self.columns.len() - 1;
+        let count = columns.len() / n.max(1);
+        let need = self.symbolic.solve_in_place_scratch::<f64>(count, Par::rayon(0));
+        let mut scratch = MemBuffer::try_new(need).map_err(|_| SparseError::TooLarge)?;
+        LdltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(columns, n, count),
+            Par::rayon(0),
+            MemStack::new(&mut scratch),
+        );
+        Ok(())
+    }
+
     /// Bytes held by the factor.
     pub fn factor_bytes(&self) -> usize {
         8 * self.factor.len()

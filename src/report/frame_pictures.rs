@@ -239,8 +239,8 @@ fn marks(svg: &mut Svg, axes: &Axes, features: &Features) {
     svg.line([x, y], [x, y], &format!(r#"stroke="{}" stroke-width="9" stroke-linecap="round""#, CURVE_COLORS[1]));
     let lowest = base.map_or(f64::INFINITY, |base| axes.at([0.0, base])[1] - LINE_PX);
     svg.text([left + width + 8.0, y.min(lowest) + 4.5], Anchor::Start, "tt-ink", &figure("peak", peak, "kPa"));
-    let (Some(base), Some(fwhm)) = (base, features.fwhm_mm.value()) else { return };
-    let level = 0.5 * (base + peak);
+    let Some(fwhm) = features.fwhm_mm.value() else { return };
+    let level = 0.5 * peak;
     let (from, to) = (axes.at([center - 0.5 * fwhm, level]), axes.at([center + 0.5 * fwhm, level]));
     svg.line(from, to, ink);
     for ([x, y], inward) in [(from, 1.0), (to, -1.0)] {

@@ -36,8 +36,8 @@ pub struct Scan {
     pub frame_half_width_mm: f64,
     /// Pressures across a frame, ends included.
     pub frame_points: u32,
-    /// Half the width of the window in which the parabola is fitted, about the place of the highest pressure, mm. Absent:
-    /// the program's choice, which it states.
+    /// Half the width of the window in which the parabola is fitted, about the indenter's axis, mm. Absent: the whole
+    /// contact.
     pub window_mm: Option<f64>,
     /// What happens between indenter and tissue. Default: `frictionless`.
     #[serde(default)]

@@ -45,7 +45,7 @@ pub struct Features {
     pub base_kpa: Feature,
     /// Place of the parabola's peak, mm.
     pub center_mm: Feature,
-    /// Width of the parabola halfway between base and peak, mm.
+    /// Full width of the parabola at half of its peak, mm; it may reach beyond the window.
     pub fwhm_mm: Feature,
     /// Asymmetry of what the inclusion adds, from -1 to 1.
     pub eccentricity: Feature,
@@ -81,7 +81,7 @@ fn of_frame(frame: &Frame, reference: &Frame, settings: &Settings) -> Features {
         None => (Feature::undefined("there is no contact"), None),
     };
     let [peak_kpa, center_mm, fwhm_mm] = match (&parabola, base_kpa.value()) {
-        (Some(parabola), Some(base)) => vertex(parabola, base),
+        (Some(parabola), Some(_)) => vertex(parabola),
         (None, Some(_)) => [(); 3].map(|()| Feature::undefined("fewer than three places of contact lie in the window")),
         (_, None) => [(); 3].map(|()| base_kpa.clone()),
     };
@@ -119,8 +119,8 @@ fn edge(frame: &Frame, contact: &RangeInclusive<usize>, at: f64) -> f64 {
     p[right - 1] + share * (p[right] - p[right - 1])
 }
 
-/// Peak, its place and its width, from the parabola's vertex and the base.
-fn vertex(parabola: &Parabola, base: f64) -> [Feature; 3] {
+/// Peak, its place and its width, from the parabola's vertex.
+fn vertex(parabola: &Parabola) -> [Feature; 3] {
     let [from, to] = parabola.window_mm;
     let center = parabola.center_mm();
     if !parabola.has_peak() {
@@ -130,10 +130,10 @@ fn vertex(parabola: &Parabola, base: f64) -> [Feature; 3] {
         return [(); 3].map(|()| Feature::undefined("the fitted parabola peaks outside its window"));
     }
     let peak = parabola.at(center);
-    let fwhm = if peak > base {
-        Feature::known((2.0 * (peak - base) / -parabola.coefficients[2]).sqrt())
+    let fwhm = if peak > 0.0 {
+        Feature::known((2.0 * peak / -parabola.coefficients[2]).sqrt())
     } else {
-        Feature::undefined("the peak does not rise above the base")
+        Feature::undefined("the fitted parabola's peak is not positive")
     };
     [Feature::known(peak), Feature::known(center), fwhm]
 }

@@ -4,12 +4,12 @@
 //! frame is reduced to four features: peak, base (the pressure at its edges), width, and eccentricity.
 //!
 //! The paper fits a parabola p(x) = c0 + c1 x + c2 x² to the frame and does not say over which window, nor how one
-//! parabola gives four numbers. A parabola has three. Its width at half height above a base taken from the same fit is a
-//! fixed share of the window. So here:
+//! parabola gives four numbers. A parabola has three. Its width at half height above a base, taken from the same fit or
+//! from the frame, is about a fixed share of the window and hardly feels an inclusion. So here:
 //!
 //! - peak = c0 - c1²/(4 c2) and its place x0 = -c1/(2 c2) come from the fit, over a window that [`Settings`] states;
 //! - base is the mean of the raw pressures at the two ends of that window, 0 where an end lies beyond the contact;
-//! - width is that of the parabola halfway between base and peak, sqrt(2 (peak - base) / -c2);
+//! - width is the full width of the parabola at half of its peak, sqrt(2 peak / -c2);
 //! - eccentricity compares the raw frame with a reference: with D = frame - reference,
 //!   e = (integral of D over x > 0 - integral of D over x < 0) / integral of |D|, from -1 to 1.
 //!
@@ -20,6 +20,7 @@ mod eccentricity;
 mod feature;
 mod features;
 mod parabola;
+pub mod scan;
 mod table;
 
 pub use feature::Feature;

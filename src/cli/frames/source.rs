@@ -1,0 +1,195 @@
+//! Where frames come from: a scene that is computed, or a measured table.
+
+use super::super::facts::figure;
+use super::super::{Failure, Progress, cancel};
+use crate::mechanics::frames::scan::{ScanSettings, ScanSetup, Scanned, scan};
+use crate::mechanics::frames::{Features, Frames, Reference, Settings, features, read_frames};
+use crate::report::{Values, Vtu};
+use crate::scene::{LoadedScan, SCAN_PRESETS, load_scan, scan_preset};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Before the name of a scene that comes with the program.
+const PRESET: &str = "preset:";
+
+/// What the command line names, read and found in order.
+pub(super) enum Input {
+    /// A scan scene.
+    Scene(Box<(LoadedScan, ScanSetup)>),
+    /// Measured frames and their file.
+    Measured(Frames, PathBuf),
+}
+
+/// Frames and where they come from.
+pub(super) struct Source {
+    pub name: String,
+    pub description: String,
+    pub frames: Frames,
+    pub computed: Option<Computed>,
+    /// What goes to the end of the report: name and value.
+    pub provenance: Vec<(String, String)>,
+}
+
+/// What only computed frames have.
+pub(super) struct Computed {
+    pub setup: ScanSetup,
+    pub scanned: Scanned,
+    /// Whether an inclusion lies at position 0.
+    pub has_middle: bool,
+}
+
+/// Reads what the command line names.
+pub(super) fn read(scene: Option<&Path>, measured: Option<&Path>) -> Result<Input, Failure> {
+    match (scene, measured) {
+        (Some(scene), None) => {
+            let (loaded, file) = match scene.to_str().and_then(|text| text.strip_prefix(PRESET)) {
+                Some(name) => (scan_preset(name)?, PathBuf::from(format!("{name}.toml"))),
+                None => (load_scan(scene).map_err(|error| with_hint(scene, error.into()))?, scene.to_path_buf()),
+            };
+            let place = |failure: Failure| match failure.names_a_file() {
+                true => failure,
+                false => failure.prefixed(&file.display().to_string()).in_file(&file),
+            };
+            let setup = ScanSetup::from_scene(&loaded).map_err(|error| place(error.into()))?;
+            // What cannot be meshed shows before the work.
+            setup.tissue.build_2d().map_err(|error| place(Failure::input(error.to_string())))?;
+            Ok(Input::Scene(Box::new((loaded, setup))))
+        }
+        (None, Some(file)) => Ok(Input::Measured(read_frames(file)?, file.to_path_buf())),
+        _ => Err(Failure::usage("give either a scan scene or `--measured CSV`")),
+    }
+}
+
+/// An error of loading, with the preset that may have been meant.
+fn with_hint(source: &Path, error: Failure) -> Failure {
+    let stem = source.file_stem().and_then(|stem| stem.to_str());
+    match SCAN_PRESETS.iter().find(|(name, _)| Some(*name) == stem && !source.exists()) {
+        Some((name, _)) => {
+            let message = format!("{}; the scene of that name in the program is {PRESET}{name}", error.message());
+            Failure::input(message).in_file(source)
+        }
+        None => error,
+    }
+}
+
+impl Input {
+    /// Name of the output folder.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Scene(scene) => scene.0.scene.name.clone(),
+            Self::Measured(_, file) => file.file_stem().unwrap_or(file.as_os_str()).to_string_lossy().into_owned(),
+        }
+    }
+
+    /// The scene's window, mm.
+    pub fn window_mm(&self) -> Option<f64> {
+        match self {
+            Self::Scene(scene) => scene.0.scene.scan.window_mm,
+            Self::Measured(..) => None,
+        }
+    }
+
+    /// Computes the frames where they are not measured. Ctrl-C stops it.
+    pub fn frames(self, shown_mm: f64, quiet: bool) -> Result<Source, Failure> {
+        let name = self.name();
+        let version = ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+        let (loaded, setup) = match self {
+            Self::Scene(scene) => *scene,
+            Self::Measured(frames, file) => {
+                let provenance = vec![("measured frames".to_owned(), file.display().to_string()), version];
+                let description = format!("Measured pressure frames of {}.", file.display());
+                return Ok(Source { name, description, frames, computed: None, provenance });
+            }
+        };
+        let progress = Progress::new(quiet);
+        let scanned = scan(&setup, ScanSettings { shown_mm, estimate_error: true }, &|stage| {
+            progress.observe(stage.done, stage.what);
+            !cancel::requested()
+        })?;
+        drop(progress);
+        let has_middle = loaded.scene.phantom.inclusion.iter().any(|one| one.center_mm[0] == 0.0);
+        let provenance =
+            vec![("scene".to_owned(), name.clone()), ("scene's SHA-256".to_owned(), loaded.sha256), version];
+        let (description, frames) = (loaded.scene.description, scanned.frames.clone());
+        Ok(Source { name, description, frames, computed: Some(Computed { setup, scanned, has_middle }), provenance })
+    }
+}
+
+impl Source {
+    /// Features of all frames.
+    pub fn features(&self, window_mm: Option<f64>, noise_kpa: f64) -> Result<Vec<Features>, Failure> {
+        let settings = Settings { window_mm, contact_above_kpa: noise_kpa, ..Settings::default() };
+        let reference = match &self.computed {
+            Some(computed) => Reference::Without(&computed.scanned.without),
+            None => Reference::Farthest,
+        };
+        features(&self.frames, reference, &settings).map_err(|error| Failure::failed(error.to_string()))
+    }
+
+    /// What the eccentricity compares with.
+    pub fn reference_name(&self) -> &'static str {
+        match self.computed {
+            Some(_) => "the same position without inclusions",
+            None => "the frame farthest from position 0",
+        }
+    }
+
+    /// The frame nearest to a position.
+    pub fn nearest(&self, position_mm: f64) -> usize {
+        let away = |k: &usize| (self.frames.as_slice()[*k].position_mm - position_mm).abs();
+        (0..self.frames.as_slice().len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
+    }
+}
+
+impl Computed {
+    /// Solver's figures.
+    pub fn json(&self) -> Value {
+        let done = &self.scanned;
+        json!({
+            "dofs": done.unknowns,
+            "iterations": done.iterations,
+            "one_factorisation": done.one_factorisation,
+            "seconds": done.seconds,
+            "error_seconds": done.error_seconds,
+            "force_n_per_mm": done.force_n_per_mm,
+            "error": match &done.error {
+                Some(error) => json!(error),
+                None => json!({"undefined": "the press on the coarser mesh did not converge or has no contact"}),
+            },
+        })
+    }
+
+    /// The same in words.
+    pub fn facts(&self) -> Vec<(String, String)> {
+        let done = &self.scanned;
+        let row = |name: &str, value: String| (name.to_owned(), value);
+        let how =
+            if done.one_factorisation { "one factorisation for all positions" } else { "each position by itself" };
+        let error = match &done.error {
+            Some(error) => format!(
+                "{} % rms, {} % of the highest pressure, at {} mm",
+                figure(100.0 * error.rms),
+                figure(100.0 * error.peak),
+                figure(error.position_mm)
+            ),
+            None => "not known: the coarser mesh did not converge or has no contact".to_owned(),
+        };
+        vec![
+            row("mechanics", format!("{} unknowns, {} iterations, {how}", done.unknowns, done.iterations)),
+            row("time", format!("{} s, {} s for the error", figure(done.seconds), figure(done.error_seconds))),
+            row("error", error),
+        ]
+    }
+
+    /// The deformed tissue of the shown position.
+    pub fn vtu(&self) -> Result<String, Failure> {
+        let shown = &self.scanned.shown;
+        let mut vtu = Vtu::of_bodies(&[&shown.mesh], 0.0)?;
+        vtu.point_vectors("displacement_mm", &shown.state.displacement)?;
+        let size = shown.mesh.element_size();
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / size as f64;
+        let pressure = shown.pressure_kpa().chunks(size).map(mean).collect();
+        vtu.cell_field("pressure_kpa", 1, Values::Float(pressure))?;
+        String::from_utf8(vtu.to_bytes()).map_err(|error| Failure::failed(error.to_string()))
+    }
+}

@@ -1,0 +1,58 @@
+//! What can go wrong, and how exact a frame is.
+
+use crate::mechanics::frames::FramesError;
+use crate::mechanics::material::MaterialError;
+use crate::mechanics::mesh::MeshError;
+use crate::mechanics::path::PathError;
+use crate::scene::DataFileError;
+use serde::Serialize;
+use thiserror::Error;
+
+/// Why there are no frames.
+#[derive(Debug, Error)]
+pub enum ScanError {
+    /// A setting that a scan cannot have, and what it can.
+    #[error("{key}: {message}")]
+    Unsupported {
+        /// Its key in the scene.
+        key: &'static str,
+        /// What is wrong and what would be right.
+        message: &'static str,
+    },
+    /// The geometry.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A material.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
+    /// A file that the scene names.
+    #[error(transparent)]
+    File(#[from] DataFileError),
+    /// One position did not come to its end.
+    #[error("the indenter at {position_mm} mm, {tissue}: {cause}")]
+    Position {
+        /// Position of the indenter, mm.
+        position_mm: f64,
+        /// Which tissue: with or without its inclusions.
+        tissue: &'static str,
+        /// Why.
+        cause: PathError,
+    },
+    /// The frames do not belong together.
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    /// The caller stopped it.
+    #[error("stopped")]
+    Stopped,
+}
+
+/// Estimated discretisation error of one frame, from a mesh of twice the element size.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FrameError {
+    /// Position of the frame, mm.
+    pub position_mm: f64,
+    /// Root mean square of the pressure's error over the contact, as a share of the pressure's own.
+    pub rms: f64,
+    /// Error of the highest pressure, as a share of it.
+    pub peak: f64,
+}

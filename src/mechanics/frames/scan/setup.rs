@@ -1,0 +1,94 @@
+//! From a scan scene to a mesh, materials and an indenter.
+
+use super::ScanError;
+use crate::mechanics::contact::{Grip, Profile};
+use crate::mechanics::from_scene;
+use crate::mechanics::material::Material;
+use crate::mechanics::mesh::{Footprint, PhantomMesh, Resolution};
+use crate::scene::{Indenter, Interface, LoadedScan, read_indenter_table};
+
+/// Description of a scan.
+#[derive(Debug, Clone)]
+pub struct ScanSetup {
+    /// The tissue and its mesh; the footprint is all that frames see.
+    pub tissue: PhantomMesh,
+    /// Material of the tissue, then of each inclusion.
+    pub materials: Vec<Material>,
+    /// Shape of the indenter.
+    pub indenter: Profile,
+    /// What happens between indenter and tissue: frictionless or Coulomb.
+    pub grip: Grip,
+    /// How far the indenter is pressed in from first touch, mm.
+    pub depth_mm: f64,
+    /// Positions of the indenter's axis, ascending, mm.
+    pub positions_mm: Vec<f64>,
+    /// Places of a frame about the indenter's axis, ascending, mm.
+    pub places_mm: Vec<f64>,
+}
+
+/// Sizes of elements at resolution 1. Along the face they are 0.4 mm: the contact ends with a vertical tangent of the
+/// pressure somewhere between two nodes, half an element apart, and moves with the position.
+const RESOLUTION: Resolution = Resolution {
+    edge_mm: 0.8,
+    contact_mm: 0.8,
+    coarsest_mm: 5.0,
+    growth: 0.5,
+    inclusion_divisions: 4.0,
+    subdivision: 2,
+};
+
+impl ScanSetup {
+    /// The scan of a scene. Its tissue is pressed so slowly that all is relaxed.
+    ///
+    /// # Errors
+    /// When a file cannot be read, or the interface is tied: a face that sticks from the start cannot wrap an indenter.
+    pub fn from_scene(loaded: &LoadedScan) -> Result<Self, ScanError> {
+        let (phantom, scan) = (&loaded.scene.phantom, &loaded.scene.scan);
+        let inclusions = phantom.inclusion.iter().map(|one| from_scene::inclusion_shape(one, &loaded.folder));
+        let bodies = std::iter::once(&phantom.material).chain(phantom.inclusion.iter().map(|one| &one.material));
+        let half = scan.frame_half_width_mm;
+        let reach = scan.positions_mm.from.abs().max(scan.positions_mm.to.abs()) + half;
+        let steps = f64::from(scan.frame_points.saturating_sub(1).max(1));
+        Ok(Self {
+            tissue: PhantomMesh {
+                shape: from_scene::phantom_shape(&phantom.shape),
+                inclusions: inclusions.collect::<Result<_, _>>()?,
+                footprint: Footprint::Rectangle { half_widths_mm: [reach; 2] },
+                symmetry: [false; 2],
+                resolution: RESOLUTION.scaled(1.0 / scan.resolution),
+            },
+            materials: bodies.map(from_scene::material).collect::<Result<_, _>>()?,
+            indenter: match &scan.indenter {
+                Indenter::Round { radius_mm } => Profile::Round { radius_mm: *radius_mm },
+                &Indenter::RoundedFlat { flat_mm, edge_radius_mm } => Profile::RoundedFlat { flat_mm, edge_radius_mm },
+                Indenter::Table { file } => Profile::Table(read_indenter_table(&loaded.resolve(file))?),
+            },
+            grip: match scan.interface {
+                Interface::Frictionless => Grip::Frictionless,
+                Interface::Coulomb { friction } => Grip::Coulomb(friction),
+                Interface::Tied => {
+                    let message =
+                        "a face that sticks from the start cannot wrap an indenter; take frictionless or coulomb";
+                    return Err(ScanError::Unsupported { key: "scan.interface", message });
+                }
+            },
+            depth_mm: scan.depth_mm,
+            positions_mm: scan.positions_mm.all_mm(),
+            places_mm: (0..scan.frame_points).map(|k| half * (2.0 * f64::from(k) / steps - 1.0)).collect(),
+        })
+    }
+
+    /// The same scan on elements of twice the size.
+    pub fn halved(&self) -> Self {
+        Self { tissue: self.tissue.halved(), ..self.clone() }
+    }
+
+    /// The same scan of the same mesh without inclusions: all of the tissue's material.
+    pub fn without_inclusions(&self) -> Self {
+        let mut setup = self.clone();
+        if let Some(tissue) = self.materials.first() {
+            setup.materials = vec![tissue.clone(); self.materials.len()];
+        }
+        setup
+    }
+}
