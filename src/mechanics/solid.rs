@@ -340,7 +340,7 @@ fn small_cholesky(matrix: &Small, n: usize) -> Option<Small> {
             let sum: f64 = matrix[i][j] - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
             factor[i][j] = if i == j { sum.sqrt() } else { sum / factor[j][j] };
         }
-        if !(factor[i][i] > 0.0) {
+        if factor[i][i].is_nan() || factor[i][i] <= 0.0 {
             return None;
         }
     }

@@ -40,7 +40,14 @@ impl Pictures {
             features: &all[reading.shown],
         };
         let plot = |title: &str, subtitle: &str, y: AxisName, curves: Vec<Curve>| {
-            curve_plot(&CurvePlot { title: &format!("{name}: {title}"), subtitle, x: POSITION, y, curves })
+            curve_plot(&CurvePlot {
+                title: &format!("{name}: {title}"),
+                subtitle,
+                x: POSITION,
+                y,
+                curves,
+                highest: None,
+            })
         };
         let window = format!("parabola over {}", reading.window_text());
         let kpa = AxisName { quantity: "pressure", unit: "kPa" };

@@ -73,6 +73,9 @@ impl Contact {
     }
 }
 
+/// A node that moves a gap: how the foot slides with it, and how it turns the face.
+type Mover = (u32, [[f64; 3]; 2], [[f64; 3]; 2]);
+
 impl Meeting<'_> {
     /// Calls `add` with the second derivatives of the gap by pairs of nodes, the touched ones with shape functions `shape`.
     pub fn for_second(&self, own: &[u32], shape: &[f64; 9], add: &mut dyn FnMut(u32, u32, [[f64; 3]; 3])) {
@@ -93,7 +96,7 @@ impl Meeting<'_> {
     /// its curvature (Wriggers 2006, Computational Contact Mechanics, ch. 6).
     fn face_second(&self, bend: &Bend, own: &[u32], shape: &[f64; 9], add: &mut dyn FnMut(u32, u32, [[f64; 3]; 3])) {
         let counter = self.nodes.iter().enumerate().map(|(a, &node)| (node, -self.value[a], bend.gradient[a]));
-        let movers: Vec<(u32, [[f64; 3]; 2], [[f64; 3]; 2])> = own
+        let movers: Vec<Mover> = own
             .iter()
             .zip(shape)
             .map(|(&node, &n)| (node, n, [0.0; 2]))

@@ -52,6 +52,8 @@ pub enum PressError {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod solid_tests;
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests;

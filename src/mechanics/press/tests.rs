@@ -65,7 +65,7 @@ fn presses_agree_with_another_element() {
         (None, false, true, 1.0, 334.7, 0.3719),
         (None, true, true, 1.0, 327.5, 0.3096),
         (ball, false, true, 1.0, 537.3, 0.3823),
-        (ball, true, true, 1.0, 492.5, 0.3180),
+        (ball, true, true, 1.0, 492.5, 0.318),
         (None, true, false, 4.0, 1458.0, 1.365),
         (ball, true, false, 4.0, 2343.0, 1.4045),
     ] {

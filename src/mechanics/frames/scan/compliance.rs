@@ -12,7 +12,7 @@ use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::Material;
 use crate::mechanics::mesh::{Boundary, Facet, Footprint, Mesh};
 use crate::mechanics::problem::{Problem, State};
-use crate::mechanics::solid::element_system;
+use crate::mechanics::solid::{element_system, tangent_bulk_kpa};
 use crate::mechanics::sparse::{SparseCholesky, SparseError};
 use faer::Mat;
 use faer::prelude::Solve;
@@ -80,7 +80,7 @@ impl Compliance {
             *e = equations;
             equations += 1;
         }
-        let system = assembled(setup, mesh, &equation, equations as usize)?;
+        let system = assembled(setup, mesh, &equation)?;
         let mut matrix = Mat::zeros(components.len(), components.len());
         let n = equations as usize;
         let mut first = 0;
@@ -217,34 +217,24 @@ fn active(contact: &Contact, gaps: &[NodeGap], pressure: &[f64]) -> Vec<usize> {
 }
 
 /// The tissue's stiffness, factorised.
-fn assembled(
-    setup: &ScanSetup,
-    mesh: &Mesh,
-    equation: &[u32],
-    equations: usize,
-) -> Result<SparseCholesky, SparseError> {
-    let numbers =
-        |e: usize| mesh.element(e).iter().flat_map(|&a| [equation[2 * a as usize], equation[2 * a as usize + 1]]);
-    let groups: Vec<Vec<u32>> =
-        (0..mesh.element_count()).map(|e| numbers(e).filter(|&k| k != NONE).collect()).collect();
-    let mut system = SparseCholesky::new(equations, groups.iter().map(Vec::as_slice))?;
+fn assembled(setup: &ScanSetup, mesh: &Mesh, equation: &[u32]) -> Result<SparseCholesky, SparseError> {
+    let groups: Vec<Vec<u32>> = (0..mesh.element_count()).map(|e| mesh.element(e).to_vec()).collect();
+    let mut first = vec![0];
+    for unknowns in equation.chunks(2) {
+        let free = unknowns.iter().filter(|e| **e != NONE).count() as u32;
+        first.push(first.last().map_or(0, |last| last + free));
+    }
+    let mut system = SparseCholesky::new(first, &mesh.nodes, &groups)?;
     let still = vec![[0.0; 3]; mesh.element_size()];
+    let bulk = Some(tangent_bulk_kpa(&setup.materials));
     for e in 0..mesh.element_count() {
-        let nodes: Vec<[f64; 3]> = mesh.element(e).iter().map(|&a| mesh.nodes[a as usize]).collect();
+        let nodes = mesh.element_positions(e);
         let material = setup.materials.get(mesh.region[e] as usize).ok_or(SparseError::Indefinite)?;
-        let element = element_system(Kinematics::PlaneStrain, &nodes, &still, &[0.0; 3], material, None, true);
+        let element = element_system(Kinematics::PlaneStrain, &nodes, &still, &[0.0; 3], material, None, bulk);
         let stiffness = element.ok_or(SparseError::Indefinite)?.stiffness;
-        let numbers: Vec<u32> = numbers(e).collect();
-        for (j, &column) in numbers.iter().enumerate() {
-            for (i, &row) in numbers.iter().enumerate() {
-                if row >= column
-                    && row != NONE
-                    && let Some(place) = system.position(row, column)
-                {
-                    system.values[place] += stiffness[i * numbers.len() + j];
-                }
-            }
-        }
+        let unknowns = |&a: &u32| [equation[2 * a as usize], equation[2 * a as usize + 1]];
+        let numbers: Vec<u32> = mesh.element(e).iter().flat_map(unknowns).collect();
+        system.add(mesh.element(e), &numbers, &stiffness);
     }
     system.factorize()?;
     Ok(system)

@@ -28,6 +28,7 @@ mod tests {
     #[test]
     fn a_frame_is_linear_between_displaced_nodes_and_nothing_beyond_the_face() {
         let point = |x: f64, u: f64, pressure_kpa: f64| ContactPoint {
+            node: 0,
             reference_mm: [x, 0.0, 0.0],
             displacement_mm: [u, -1.0, 0.0],
             pressure_kpa,
