@@ -64,13 +64,27 @@ pub fn element_system(
     history: Option<(&[History], f64)>,
     tangent: bool,
 ) -> Option<ElementSystem> {
-    let dim = kinematics.dim();
+    let evaluate = if kinematics.dim() == 3 { system::<3, SOLID_NODES> } else { system::<2, PLANE_NODES> };
+    evaluate(kinematics, nodes, displacement, pressure, material, history, tangent)
+}
+
+/// The element in `D` dimensions; `N` is its number of nodes, made even for the sake of vector instructions.
+fn system<const D: usize, const N: usize>(
+    kinematics: Kinematics,
+    nodes: &[[f64; 3]],
+    displacement: &[[f64; 3]],
+    pressure: &[f64],
+    material: &Material,
+    history: Option<(&[History], f64)>,
+    tangent: bool,
+) -> Option<ElementSystem> {
+    let dim = D;
     let (unknowns, pressures) = (nodes.len() * dim, dim + 1);
     let frame = pressure_frame(nodes);
     let small = material.law.is_small_strain();
     let compliance = 1.0 / material.bulk_kpa();
     let mut force = vec![0.0; unknowns];
-    let mut stiffness = vec![0.0; if tangent { unknowns * unknowns } else { 0 }];
+    let mut blocks = Blocks::<N>::new(if tangent { nodes.len() } else { 0 });
     let mut slope = vec![0.0; pressures * unknowns];
     let mut mass = [[0.0; MAX_PRESSURES]; MAX_PRESSURES];
     let mut balance = [0.0; MAX_PRESSURES];
@@ -91,7 +105,7 @@ pub fn element_system(
         for k in 0..9 {
             response.stress[k] += p * direction[k / 3][k % 3];
         }
-        let operator = Operator::new(kinematics, &point, nodes.len());
+        let operator = Operator::<D, N>::new(kinematics, &point, nodes.len());
         let volume = point.volume;
         operator.scatter(&response.stress, volume, &mut force);
         let mut divergence = [0.0; MAX_NODES * 3];
@@ -109,14 +123,14 @@ pub fn element_system(
             if !small {
                 add_cofactor_derivative(&f, p, &mut response.tangent);
             }
-            operator.add_stiffness(&response.tangent, volume, &mut stiffness);
+            operator.add_stiffness(&response.tangent, volume, &mut blocks);
         }
     }
     let volume_defect = balance[..pressures].iter().fold(0.0, |m: f64, b| m.max((b / mass[0][0]).abs()));
     let mut system = ElementSystem {
         condensed: force.clone(),
         force,
-        stiffness,
+        stiffness: blocks.spell_out(dim),
         pressure_defect: [0.0; MAX_PRESSURES],
         pressure_slope: slope,
         volume_defect,
@@ -178,11 +192,10 @@ impl ElementSystem {
         }
         for k in 0..pressures {
             let (rows, slope) = (&divergence[k * unknowns..], &self.pressure_slope[k * unknowns..(k + 1) * unknowns]);
-            for i in 0..unknowns {
-                self.condensed[i] += rows[i] * self.pressure_defect[k];
-                for (entry, s) in self.stiffness[i * unknowns..(i + 1) * unknowns].iter_mut().zip(slope) {
-                    *entry += rows[i] * s;
-                }
+            let lines = self.stiffness.chunks_exact_mut(unknowns).zip(&mut self.condensed);
+            for (row, (line, condensed)) in rows.iter().zip(lines) {
+                *condensed += row * self.pressure_defect[k];
+                line.iter_mut().zip(slope).for_each(|(entry, s)| *entry += row * s);
             }
         }
         Some(())
@@ -214,56 +227,95 @@ fn add_cofactor_derivative(f: &Tensor, p: f64, tangent: &mut [[f64; 9]; 9]) {
     }
 }
 
-/// The strain operator at a point: how each unknown moves the nine components of F.
-struct Operator<'a> {
-    point: &'a MaterialPoint,
-    nodes: usize,
-    dim: usize,
-    hoop: bool,
+/// Numbers of nodes in three and two dimensions, rounded up to even ones.
+const SOLID_NODES: usize = 28;
+const PLANE_NODES: usize = 10;
+
+/// Components of F that a displacement component moves: by the gradients of its node's function along two axes, and
+/// along the third or as hoop. In two dimensions the second component has no third part.
+const fn moves(dim: usize) -> [[usize; 3]; 3] {
+    if dim == 3 { [[0, 1, 2], [3, 4, 5], [6, 7, 8]] } else { [[0, 1, 8], [3, 4, 0], [0; 3]] }
 }
 
-impl<'a> Operator<'a> {
-    fn new(kinematics: Kinematics, point: &'a MaterialPoint, nodes: usize) -> Self {
-        Self { point, nodes, dim: kinematics.dim(), hoop: kinematics == Kinematics::Axisymmetric }
+/// The strain operator at a point: how each unknown moves the nine components of F.
+struct Operator<const D: usize, const N: usize> {
+    /// How many components of F each displacement component moves.
+    parts: [usize; 3],
+    /// Weights of these by node, 0 beyond the last.
+    weight: [[f64; N]; 3],
+    nodes: usize,
+}
+
+/// Stiffness by pairs of components (c, d) with c <= d: entry [pair][b][a] joins component c of node a and d of node b.
+struct Blocks<const N: usize>([Vec<[f64; N]>; 6]);
+
+/// The pairs of components, those of two dimensions first.
+const PAIRS: [[usize; 2]; 6] = [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2]];
+
+const fn pairs(dim: usize) -> usize {
+    dim * (dim + 1) / 2
+}
+
+impl<const N: usize> Blocks<N> {
+    fn new(nodes: usize) -> Self {
+        Self(std::array::from_fn(|_| vec![[0.0; N]; nodes]))
+    }
+
+    /// The full row-major matrix.
+    fn spell_out(&self, dim: usize) -> Vec<f64> {
+        let nodes = self.0[0].len();
+        let unknowns = nodes * dim;
+        let mut stiffness = vec![0.0; unknowns * unknowns];
+        for ([c, d], block) in PAIRS.iter().zip(&self.0).take(pairs(dim)) {
+            for (b, row) in block.iter().enumerate() {
+                for (a, entry) in row.iter().enumerate().take(nodes) {
+                    stiffness[(b * dim + d) * unknowns + a * dim + c] = *entry;
+                    stiffness[(a * dim + c) * unknowns + b * dim + d] = *entry;
+                }
+            }
+        }
+        stiffness
+    }
+}
+
+impl<const D: usize, const N: usize> Operator<D, N> {
+    fn new(kinematics: Kinematics, point: &MaterialPoint, nodes: usize) -> Self {
+        let hoop = kinematics == Kinematics::Axisymmetric;
+        let mut weight = [[0.0; N]; 3];
+        for (a, (gradient, hoop)) in point.gradient.iter().zip(&point.hoop).enumerate().take(nodes.min(N)) {
+            let third = if D == 3 { gradient[2] } else { *hoop };
+            [weight[0][a], weight[1][a], weight[2][a]] = [gradient[0], gradient[1], third];
+        }
+        let parts = if D == 3 { [3; 3] } else { [if hoop { 3 } else { 2 }, 2, 0] };
+        Self { parts, weight, nodes }
     }
 
     /// forces += volume G^T stress.
     fn scatter(&self, stress: &[f64; 9], volume: f64, force: &mut [f64]) {
-        for a in 0..self.nodes {
-            let gradient = &self.point.gradient[a];
-            for c in 0..self.dim {
-                let mut sum = 0.0;
-                for j in 0..self.dim {
-                    sum += stress[3 * c + j] * gradient[j];
-                }
-                if self.hoop && c == 0 {
-                    sum += stress[8] * self.point.hoop[a];
-                }
-                force[a * self.dim + c] += volume * sum;
+        for c in 0..D {
+            let mut part = [0.0; 3];
+            (0..self.parts[c]).for_each(|j| part[j] = volume * stress[moves(D)[c][j]]);
+            let [x, y, z] = &self.weight;
+            for a in 0..self.nodes.min(N) {
+                force[a * D + c] += part[0] * x[a] + part[1] * y[a] + part[2] * z[a];
             }
         }
     }
 
-    /// stiffness += volume G^T tangent G.
-    fn add_stiffness(&self, tangent: &[[f64; 9]; 9], volume: f64, stiffness: &mut [f64]) {
-        let unknowns = self.nodes * self.dim;
-        let mut column = [0.0; MAX_NODES * 3];
-        for b in 0..self.nodes {
-            for d in 0..self.dim {
-                let mut stress = [0.0; 9];
-                for (k, s) in stress.iter_mut().enumerate() {
-                    for j in 0..self.dim {
-                        *s += tangent[k][3 * d + j] * self.point.gradient[b][j];
-                    }
-                    if self.hoop && d == 0 {
-                        *s += tangent[k][8] * self.point.hoop[b];
-                    }
+    /// blocks += volume G^T tangent G.
+    fn add_stiffness(&self, tangent: &[[f64; 9]; 9], volume: f64, blocks: &mut Blocks<N>) {
+        let [x, y, z] = &self.weight;
+        for ([c, d], block) in PAIRS.iter().zip(&mut blocks.0).take(pairs(D)) {
+            let mut part = [[0.0; 3]; 3];
+            for j in 0..self.parts[*c] {
+                for l in 0..self.parts[*d] {
+                    part[j][l] = volume * tangent[moves(D)[*c][j]][moves(D)[*d][l]];
                 }
-                column[..unknowns].fill(0.0);
-                self.scatter(&stress, volume, &mut column[..unknowns]);
-                let row = b * self.dim + d;
-                for (entry, value) in stiffness[row * unknowns..(row + 1) * unknowns].iter_mut().zip(&column) {
-                    *entry += value;
+            }
+            for (b, row) in block.iter_mut().enumerate() {
+                let [p, q, r] = part.map(|part| part[0] * x[b] + part[1] * y[b] + part[2] * z[b]);
+                for a in 0..N {
+                    row[a] += p * x[a] + q * y[a] + r * z[a];
                 }
             }
         }
@@ -280,7 +332,7 @@ fn small_cholesky(matrix: &Small, n: usize) -> Option<Small> {
             let sum: f64 = matrix[i][j] - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
             factor[i][j] = if i == j { sum.sqrt() } else { sum / factor[j][j] };
         }
-        if !(factor[i][i] > 0.0) {
+        if factor[i][i].is_nan() || factor[i][i] <= 0.0 {
             return None;
         }
     }
