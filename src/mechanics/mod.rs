@@ -12,6 +12,7 @@ pub mod kinematics;
 pub mod material;
 pub mod mesh;
 pub mod newton;
+pub mod ordering;
 pub mod path;
 pub mod press;
 pub mod problem;

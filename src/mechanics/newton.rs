@@ -77,6 +77,13 @@ pub enum StepError {
     Sparse(#[from] SparseError),
 }
 
+impl StepError {
+    /// Whether the matrix does not fit in memory.
+    pub fn is_too_large(&self) -> bool {
+        matches!(self, Self::Sparse(SparseError::TooLarge | SparseError::Memory { .. }))
+    }
+}
+
 /// How far a state is from balance.
 #[derive(Debug, Clone, Copy)]
 struct Balance {
@@ -313,14 +320,18 @@ impl<'a> Solver<'a> {
         for chunk in elements.chunks(CHUNK) {
             let chunk_systems: Option<Vec<ElementSystem>> =
                 chunk.par_iter().map(|&e| self.element(e, state, true)).collect();
-            for (&e, mut system) in chunk.iter().zip(chunk_systems.ok_or(StepError::InsideOut)?) {
+            let Some(chunk_systems) = chunk_systems else {
+                self.matrix = Some(matrix);
+                return Err(StepError::InsideOut);
+            };
+            for (&e, mut system) in chunk.iter().zip(chunk_systems) {
                 let unknowns = unknowns(problem.mesh.element(e), dim);
                 for (&k, f) in unknowns.iter().zip(&system.force) {
                     residual[k] += f;
                     size[k] += f.abs();
                 }
                 volume = volume.max(system.volume_defect);
-                self.add_element(&mut matrix, &unknowns, &system.stiffness, &system.condensed);
+                self.add_element(&mut matrix, problem.mesh.element(e), &unknowns, &system.stiffness);
                 system.stiffness = held_columns(&unknowns, &self.equation, &system.stiffness);
                 systems.push(system);
             }
@@ -361,47 +372,28 @@ impl<'a> Solver<'a> {
 
     /// Makes sure that the pattern holds all pairs that now touch.
     fn prepare(&mut self, touches: &[Touching]) -> Result<(), SparseError> {
-        let dim = self.problem.kinematics.dim();
-        let numbers = |nodes: &[u32]| -> Vec<u32> {
-            let all = nodes.iter().flat_map(|&a| (0..dim).map(move |c| a as usize * dim + c));
-            all.map(|k| self.equation[k]).filter(|&e| e != HELD).collect()
-        };
-        let groups: Vec<Vec<u32>> = touches
-            .iter()
-            .flat_map(|t| &t.nodes)
-            .map(|touch| numbers(&touch.gap.moved.iter().map(|entry| entry.0).collect::<Vec<_>>()))
-            .collect();
-        let known = self.matrix.as_ref().is_some_and(|matrix| {
-            groups.iter().all(|group| {
-                group.iter().all(|&a| group.first().is_none_or(|&b| matrix.position(a, b).is_some()))
-                    && group.windows(2).all(|pair| matrix.position(pair[0], pair[1]).is_some())
-                    && group.first().zip(group.last()).is_none_or(|(&a, &b)| matrix.position(a, b).is_some())
-            })
-        });
-        if known {
+        let touching = touches.iter().flat_map(|t| &t.nodes);
+        let contacts: Vec<Vec<u32>> =
+            touching.map(|touch| touch.gap.moved.iter().map(|entry| entry.0).collect()).collect();
+        if self.matrix.as_ref().is_some_and(|matrix| contacts.iter().all(|group| matrix.couples(group))) {
             return Ok(());
         }
-        let elements: Vec<Vec<u32>> =
-            (0..self.problem.mesh.element_count()).map(|e| numbers(self.problem.mesh.element(e))).collect();
-        let all = elements.iter().chain(&groups).map(Vec::as_slice);
-        self.matrix = Some(SparseCholesky::new(self.equations, all)?);
+        let (mesh, dim) = (&self.problem.mesh, self.problem.kinematics.dim());
+        let mut groups: Vec<Vec<u32>> = (0..mesh.element_count()).map(|e| mesh.element(e).to_vec()).collect();
+        groups.extend(contacts);
+        let mut first = vec![0];
+        for unknowns in self.equation.chunks(dim) {
+            let free = unknowns.iter().filter(|e| **e != HELD).count() as u32;
+            first.push(first.last().map_or(0, |last| last + free));
+        }
+        self.matrix = Some(SparseCholesky::new(first, &mesh.nodes, &groups)?);
         self.symbolic += 1;
         Ok(())
     }
 
-    fn add_element(&self, matrix: &mut SparseCholesky, unknowns: &[usize], stiffness: &[f64], _condensed: &[f64]) {
-        let n = unknowns.len();
-        for (j, &column) in unknowns.iter().enumerate() {
-            let column = self.equation[column];
-            for (i, &row) in unknowns.iter().enumerate() {
-                let row = self.equation[row];
-                if row >= column && row != HELD && column != HELD
-                    && let Some(place) = matrix.position(row, column)
-                {
-                    matrix.values[place] += stiffness[i * n + j];
-                }
-            }
-        }
+    fn add_element(&self, matrix: &mut SparseCholesky, nodes: &[u32], unknowns: &[usize], stiffness: &[f64]) {
+        let numbers: Vec<u32> = unknowns.iter().map(|&k| self.equation[k]).collect();
+        matrix.add(nodes, &numbers, stiffness);
     }
 
     fn add_contacts(&self, matrix: &mut SparseCholesky, touches: &[Touching]) {

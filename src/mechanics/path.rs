@@ -74,7 +74,8 @@ pub fn follow(
                     last = Some(std::mem::replace(&mut state, balanced));
                     step *= GROWTH[usize::from(solver.iterations - iterations > EASY)];
                 }
-                Err(cause) if step * 0.5 < whole * SHORTEST => {
+                // A matrix that is too large stays so, however short the step.
+                Err(cause) if step * 0.5 < whole * SHORTEST || cause.is_too_large() => {
                     return Err(PathError::Stuck { reached: state.load, cause });
                 }
                 Err(_) => step *= 0.5,

@@ -1,7 +1,12 @@
 //! Symmetric positive definite sparse systems: one symbolic factorisation, many numeric ones (faer).
+//!
+//! Unknowns come by nodes, and every node couples with whole nodes: the pattern is gathered, ordered and addressed by
+//! nodes, and only spelled out by unknowns for the factorisation.
 
+use super::ordering::nested_dissection;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
@@ -10,7 +15,7 @@ use faer::{Conj, MatMut, Par, Side};
 use thiserror::Error;
 
 /// Why a system could not be solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SparseError {
     /// A pivot was not positive: the structure is loose or unstable.
     #[error("the tangent stiffness is not positive definite")]
@@ -18,7 +23,26 @@ pub enum SparseError {
     /// The factor does not fit in memory.
     #[error("the stiffness matrix is too large to be factorised")]
     TooLarge,
+    /// The factor would need more memory than is allowed.
+    #[error(
+        "the factor of {unknowns} unknowns takes {factor_gib:.1} GiB, the limit is {limit_gib:.1} GiB: coarsen the mesh"
+    )]
+    Memory {
+        /// Unknowns.
+        unknowns: usize,
+        /// Size of the factor, GiB.
+        factor_gib: f64,
+        /// The limit, GiB.
+        limit_gib: f64,
+    },
 }
+
+/// Entries of the factor from which threads share its work. The dense blocks of smaller ones are not worth the
+/// handing over: 1.6 million entries (a plane press) take 18 ms with one thread and 25 with two.
+const LEAST_SHARED: usize = 5_000_000;
+
+/// Largest factor, GiB: with the matrix and the elements' tangents a machine of 16 GiB bears it.
+pub const LARGEST_FACTOR_GIB: f64 = 8.0;
 
 /// A symmetric matrix of fixed pattern, its lower triangle by columns, and its Cholesky factor.
 pub struct SparseCholesky {
@@ -26,50 +50,116 @@ pub struct SparseCholesky {
     rows: Vec<u32>,
     /// Entries of the lower triangle.
     pub values: Vec<f64>,
+    /// First unknown of each node, and their number.
+    first: Vec<u32>,
+    /// Later nodes that each node couples with, and how many entries of a column come between it and them.
+    coupled: Coupled,
     symbolic: SymbolicCholesky<u32>,
     factor: Vec<f64>,
     scratch: MemBuffer,
+    threads: Par,
+}
+
+/// Pairs of nodes: for each node the later ones, ascending.
+struct Coupled {
+    start: Vec<u32>,
+    node: Vec<u32>,
+    /// Unknowns of the nodes listed before.
+    offset: Vec<u32>,
+}
+
+impl Coupled {
+    /// The pairs of all groups. Nodes without unknowns count for nothing.
+    fn new(first: &[u32], groups: &[Vec<u32>]) -> Result<Self, SparseError> {
+        let count = first.len() - 1;
+        let size = |a: u32| first[a as usize + 1] - first[a as usize];
+        let mut held_by: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for (g, group) in groups.iter().enumerate() {
+            group.iter().filter(|&&a| size(a) > 0).for_each(|&a| held_by[a as usize].push(g as u32));
+        }
+        let mut seen = vec![u32::MAX; count];
+        let mut coupled = Self { start: vec![0], node: Vec::new(), offset: Vec::new() };
+        for (a, holders) in held_by.iter().enumerate() {
+            let from = coupled.node.len();
+            for &g in holders {
+                for &b in &groups[g as usize] {
+                    if b as usize > a && size(b) > 0 && std::mem::replace(&mut seen[b as usize], a as u32) != a as u32 {
+                        coupled.node.push(b);
+                    }
+                }
+            }
+            coupled.node[from..].sort_unstable();
+            let mut offset = 0;
+            for &b in &coupled.node[from..] {
+                coupled.offset.push(offset);
+                offset += size(b);
+            }
+            coupled.start.push(u32::try_from(coupled.node.len()).map_err(|_| SparseError::TooLarge)?);
+        }
+        Ok(coupled)
+    }
+
+    fn of(&self, a: u32) -> (&[u32], &[u32]) {
+        let range = self.start[a as usize] as usize..self.start[a as usize + 1] as usize;
+        (&self.node[range.clone()], &self.offset[range])
+    }
+
+    /// Columns and rows of the lower triangle.
+    fn spell_out(&self, first: &[u32]) -> Result<(Vec<u32>, Vec<u32>), SparseError> {
+        let (mut columns, mut rows) = (vec![0u32], Vec::new());
+        for a in 0..first.len() as u32 - 1 {
+            let end = first[a as usize + 1];
+            for column in first[a as usize]..end {
+                rows.extend(column..end);
+                for &b in self.of(a).0 {
+                    rows.extend(first[b as usize]..first[b as usize + 1]);
+                }
+                columns.push(u32::try_from(rows.len()).map_err(|_| SparseError::TooLarge)?);
+            }
+        }
+        Ok((columns, rows))
+    }
 }
 
 impl SparseCholesky {
-    /// A matrix with `n` rows that couples the unknowns of each group with one another.
+    /// A matrix that couples the nodes of each group with one another. The unknowns of node `a` are `first[a]` up to
+    /// `first[a + 1]`.
     ///
     /// # Errors
-    /// [`SparseError::TooLarge`].
-    pub fn new<'a>(n: usize, groups: impl Iterator<Item = &'a [u32]>) -> Result<Self, SparseError> {
-        let mut pairs: Vec<Vec<u32>> = (0..n as u32).map(|k| vec![k]).collect();
-        for group in groups {
-            for &column in group {
-                let list = &mut pairs[column as usize];
-                list.extend(group.iter().filter(|&&row| row > column));
-                if list.len() > 4 * MERGE {
-                    list.sort_unstable();
-                    list.dedup();
-                }
-            }
-        }
-        let mut columns = vec![0u32];
-        let mut rows = Vec::new();
-        for list in &mut pairs {
-            list.sort_unstable();
-            list.dedup();
-            rows.append(list);
-            columns.push(u32::try_from(rows.len()).map_err(|_| SparseError::TooLarge)?);
-        }
+    /// [`SparseError::TooLarge`], [`SparseError::Memory`].
+    pub fn new(first: Vec<u32>, positions: &[[f64; 3]], groups: &[Vec<u32>]) -> Result<Self, SparseError> {
+        Self::within(limit_gib(), first, positions, groups)
+    }
+
+    /// The same with a factor of at most `limit_gib`.
+    fn within(
+        limit_gib: f64,
+        first: Vec<u32>,
+        positions: &[[f64; 3]],
+        groups: &[Vec<u32>],
+    ) -> Result<Self, SparseError> {
+        let coupled = Coupled::new(&first, groups)?;
+        let (columns, rows) = coupled.spell_out(&first)?;
+        let n = columns.len() - 1;
+        let nodes = nested_dissection(groups, positions);
+        let forward: Vec<u32> = nodes.iter().flat_map(|&a| first[a as usize]..first[a as usize + 1]).collect();
+        let mut inverse = vec![0u32; n];
+        (0u32..).zip(&forward).for_each(|(k, &old)| inverse[old as usize] = k);
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &columns, None, &rows);
-        let symbolic = factorize_symbolic_cholesky(
-            pattern,
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
-        )
-        .map_err(|_| SparseError::TooLarge)?;
+        let order = SymmetricOrdering::Custom(PermRef::new_checked(&forward, &inverse, n));
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, order, CholeskySymbolicParams::default())
+            .map_err(|_| SparseError::TooLarge)?;
+        let factor_gib = symbolic.len_val() as f64 * 8.0 / GIB;
+        if factor_gib > limit_gib {
+            return Err(SparseError::Memory { unknowns: n, factor_gib, limit_gib });
+        }
+        let threads = if symbolic.len_val() < LEAST_SHARED { Par::Seq } else { Par::rayon(0) };
         let need = symbolic
-            .factorize_numeric_ldlt_scratch::<f64>(Par::rayon(0), Default::default())
-            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::rayon(0)));
+            .factorize_numeric_ldlt_scratch::<f64>(threads, Default::default())
+            .or(symbolic.solve_in_place_scratch::<f64>(1, threads));
         let scratch = MemBuffer::try_new(need).map_err(|_| SparseError::TooLarge)?;
         let factor = vec![0.0; symbolic.len_val()];
-        Ok(Self { values: vec![0.0; rows.len()], columns, rows, symbolic, factor, scratch })
+        Ok(Self { values: vec![0.0; rows.len()], columns, rows, first, coupled, symbolic, factor, scratch, threads })
     }
 
     /// Where the entry (row, column) of the lower triangle is held, if the pattern has it.
@@ -78,6 +168,52 @@ impl SparseCholesky {
         let start = self.columns[column] as usize;
         let list = &self.rows[start..self.columns[column + 1] as usize];
         list.binary_search(&row).ok().map(|k| start + k)
+    }
+
+    /// Whether the pattern couples all of these nodes, ascending, with one another.
+    pub fn couples(&self, nodes: &[u32]) -> bool {
+        let free = |a: u32| self.first[a as usize] < self.first[a as usize + 1];
+        nodes.iter().enumerate().filter(|(_, a)| free(**a)).all(|(k, &a)| {
+            let mut known = self.coupled.of(a).0.iter();
+            nodes[k + 1..].iter().filter(|b| free(**b)).all(|b| known.any(|known| known == b))
+        })
+    }
+
+    /// Adds a group's full symmetric matrix, row-major, of which the lower triangle by unknowns is read. `numbers` are its
+    /// unknowns, `per_node` for each node, ascending in each; those held are `u32::MAX`.
+    pub fn add(&mut self, nodes: &[u32], numbers: &[u32], matrix: &[f64]) {
+        let per_node = numbers.len() / nodes.len().max(1);
+        let size = numbers.len();
+        for (i, &a) in nodes.iter().enumerate() {
+            let (later, offsets) = self.coupled.of(a);
+            let end = self.first[a as usize + 1];
+            for (j, &b) in nodes.iter().enumerate().filter(|(_, b)| **b >= a) {
+                let offset = match later.binary_search(&b) {
+                    Ok(k) => offsets[k],
+                    Err(_) if a == b => 0,
+                    Err(_) => continue,
+                };
+                for p in i * per_node..(i + 1) * per_node {
+                    let column = numbers[p];
+                    if column == u32::MAX {
+                        continue;
+                    }
+                    let start = self.columns[column as usize];
+                    // The rows of b stand in a line: the place of each is its number plus this.
+                    let base = if a == b {
+                        start.wrapping_sub(column)
+                    } else {
+                        (start + (end - column) + offset).wrapping_sub(self.first[b as usize])
+                    };
+                    for q in j * per_node..(j + 1) * per_node {
+                        let row = numbers[q];
+                        if row != u32::MAX && row >= column {
+                            self.values[base.wrapping_add(row) as usize] += matrix[p * size + q];
+                        }
+                    }
+                }
+            }
+        }
     }
 
     /// Factorises the present entries.
@@ -93,7 +229,7 @@ impl SparseCholesky {
                 SparseColMatRef::new(pattern, &self.values),
                 Side::Lower,
                 LdltRegularization::default(),
-                Par::rayon(0),
+                self.threads,
                 MemStack::new(&mut self.scratch),
                 Default::default(),
             )
@@ -107,7 +243,7 @@ impl SparseCholesky {
         LdltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(vector, n, 1),
-            Par::rayon(0),
+            self.threads,
             MemStack::new(&mut self.scratch),
         );
     }
@@ -118,5 +254,79 @@ impl SparseCholesky {
     }
 }
 
-/// Entries of a column after which repeated ones are merged while the pattern is gathered.
-const MERGE: usize = 512;
+const GIB: f64 = 1073741824.0;
+
+/// The least of [`LARGEST_FACTOR_GIB`] and the memory that is free, where the system tells (Linux: MemAvailable).
+fn limit_gib() -> f64 {
+    let told = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let line = told.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
+    let kib = line.and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok());
+    kib.map_or(LARGEST_FACTOR_GIB, |kib| LARGEST_FACTOR_GIB.min(kib * 1024.0 / GIB))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chain of nodes with 2, 0, 1, 2, 2 unknowns; the elements couple neighbours, and the last with the first.
+    fn chain() -> (Vec<u32>, Vec<Vec<u32>>, SparseCholesky) {
+        let first = vec![0, 2, 2, 3, 5, 7];
+        let groups = vec![vec![1, 0], vec![2, 1], vec![3, 2], vec![3, 4], vec![4, 0]];
+        let matrix = SparseCholesky::new(first.clone(), &[[0.0; 3]; 5], &groups).unwrap();
+        (first, groups, matrix)
+    }
+
+    /// Equations of a node's two components; those not free are held.
+    fn numbers(first: &[u32], nodes: &[u32]) -> Vec<u32> {
+        let number = |a: u32, c: u32| {
+            let at = first[a as usize] + c;
+            if at < first[a as usize + 1] { at } else { u32::MAX }
+        };
+        nodes.iter().flat_map(|&a| [number(a, 0), number(a, 1)]).collect()
+    }
+
+    #[test]
+    fn added_matrices_are_solved_as_if_dense() {
+        let (first, groups, mut matrix) = chain();
+        let mut dense = [[0.0; 7]; 7];
+        for (g, group) in groups.iter().enumerate() {
+            let part: Vec<f64> = (0..16)
+                .map(|k| {
+                    let (i, j) = (k / 4, k % 4);
+                    if i == j { 5.0 + g as f64 } else { 1.0 / (1.0 + (i + j) as f64 + g as f64) }
+                })
+                .collect();
+            let numbers = numbers(&first, group);
+            matrix.add(group, &numbers, &part);
+            for (i, &row) in numbers.iter().enumerate().filter(|(_, n)| **n != u32::MAX) {
+                for (j, &column) in numbers.iter().enumerate().filter(|(_, n)| **n != u32::MAX) {
+                    dense[row as usize][column as usize] += part[4 * i + j];
+                }
+            }
+        }
+        let expected: [f64; 7] = std::array::from_fn(|k| k as f64 - 2.5);
+        let mut vector: Vec<f64> =
+            dense.iter().map(|row| row.iter().zip(&expected).map(|(a, x)| a * x).sum()).collect();
+        matrix.factorize().unwrap();
+        matrix.solve(&mut vector);
+        for (x, expected) in vector.iter().zip(expected) {
+            assert!((x - expected).abs() < 1e-13, "{x} {expected}");
+        }
+    }
+
+    #[test]
+    fn the_pattern_knows_its_pairs() {
+        let (_, _, matrix) = chain();
+        // Node 1 has no unknowns and couples with anything.
+        for (nodes, known) in [(vec![0, 1, 4], true), (vec![1, 3], true), (vec![0, 2], false), (vec![0, 3, 4], false)] {
+            assert_eq!(matrix.couples(&nodes), known, "{nodes:?}");
+        }
+        assert!(matrix.position(3, 6).is_some() && matrix.position(0, 2).is_none());
+    }
+
+    #[test]
+    fn a_factor_beyond_the_limit_is_refused_by_its_size() {
+        let error = SparseCholesky::within(1e-7, vec![0, 3, 6], &[[0.0; 3]; 2], &[vec![0, 1]]).err();
+        assert!(matches!(error, Some(SparseError::Memory { unknowns: 6, .. })), "{error:?}");
+    }
+}
