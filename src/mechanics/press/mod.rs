@@ -51,3 +51,5 @@ pub enum PressError {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod solid_tests;
