@@ -84,6 +84,13 @@ pub enum StepError {
     Sparse(#[from] SparseError),
 }
 
+impl StepError {
+    /// Whether the matrix does not fit in memory.
+    pub fn is_too_large(&self) -> bool {
+        matches!(self, Self::Sparse(SparseError::TooLarge | SparseError::Memory { .. }))
+    }
+}
+
 /// How far a state is from balance.
 #[derive(Debug, Clone, Copy)]
 struct Balance {
@@ -191,7 +198,7 @@ impl<'a> Solver<'a> {
     fn over(&mut self, from: &State, guess: &State, load: f64, seconds: f64) -> Result<State, StepError> {
         let mut state = self.round(from, guess, load, seconds)?;
         for _ in 0..FRICTION_ROUNDS {
-            if self.renew_friction(&mut state) <= FRICTION_TOLERANCE {
+            if self.renew_friction(from, &mut state) <= FRICTION_TOLERANCE {
                 state.history = self.remember(&state, from, seconds).ok_or(StepError::InsideOut)?;
                 return Ok(state);
             }
@@ -214,13 +221,15 @@ impl<'a> Solver<'a> {
         from.history.iter().enumerate().map(advance).collect()
     }
 
-    /// Sets the bounds of friction from the pressures; the largest change as a share of the largest bound.
-    fn renew_friction(&self, state: &mut State) -> f64 {
+    /// Sets the bounds of friction from the pressures; the largest change as a share of the largest bound. A node that did
+    /// not touch at the step's start bears none yet: its way before it touched is no slip.
+    fn renew_friction(&self, from: &State, state: &mut State) -> f64 {
         let (mut change, mut largest) = (0.0f64, f64::MIN_POSITIVE);
-        for (contact, list) in self.problem.contacts.iter().zip(&mut state.traction) {
+        let lists = from.traction.iter().zip(&mut state.traction);
+        for (contact, (before, list)) in self.problem.contacts.iter().zip(lists) {
             let Grip::Coulomb(friction) = contact.grip else { continue };
-            for traction in list {
-                let bound = friction * traction.normal.max(0.0);
+            for (before, traction) in before.iter().zip(list) {
+                let bound = if before.normal > 0.0 { friction * traction.normal.max(0.0) } else { 0.0 };
                 change = change.max((bound - traction.bound).abs());
                 largest = largest.max(bound);
                 traction.bound = bound;

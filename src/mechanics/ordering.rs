@@ -122,8 +122,8 @@ impl Dissection<'_> {
         let least = ((LEAST_SHARE * count as f64) as usize).max(1);
         let mut shared = 0;
         let mut best = (f64::INFINITY, count / 2);
-        for cut in 1..count {
-            shared += change[cut];
+        for (cut, change) in change.iter().enumerate().take(count).skip(1) {
+            shared += change;
             if cut >= least && count - cut >= least {
                 let uneven = (2.0 * cut as f64 / count as f64 - 1.0).abs();
                 let cost = shared as f64 * (1.0 + UNEVEN * uneven);

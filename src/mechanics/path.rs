@@ -39,9 +39,11 @@ pub enum PathError {
 }
 
 /// Shortest step as a share of the longest asked one.
-const SHORTEST: f64 = 1.0 / 1024.0;
+const SHORTEST: f64 = 1.0 / 256.0;
 /// Growth of the step after one that took few iterations, and after any other.
 const GROWTH: [f64; 2] = [2.0, 1.25];
+/// Least number of steps where faces rub: the path matters there.
+const RUBBING_STEPS: f64 = 10.0;
 /// What few iterations are.
 const EASY: usize = 6;
 
@@ -60,12 +62,13 @@ pub fn follow(
     let mut last: Option<State> = None;
     for &target in loads {
         let whole = target - state.load;
-        let mut step = whole;
+        let longest = if solver.problem().rubs() { whole / RUBBING_STEPS } else { whole };
+        let mut step = longest;
         while state.load < target {
             if !observe(state.load) {
                 return Err(PathError::Stopped);
             }
-            step = step.min(target - state.load);
+            step = step.min(longest).min(target - state.load);
             let next = if state.load + 1.001 * step >= target { target } else { state.load + step };
             let iterations = solver.iterations;
             let guess = last.as_ref().and_then(|last| solver.extrapolated(last, &state, next));
@@ -74,7 +77,8 @@ pub fn follow(
                     last = Some(std::mem::replace(&mut state, balanced));
                     step *= GROWTH[usize::from(solver.iterations - iterations > EASY)];
                 }
-                Err(cause) if step * 0.5 < whole * SHORTEST => {
+                // A matrix that is too large stays so, however short the step.
+                Err(cause) if step * 0.5 < whole * SHORTEST || cause.is_too_large() => {
                     return Err(PathError::Stuck { reached: state.load, cause });
                 }
                 Err(_) => step *= 0.5,

@@ -1,6 +1,6 @@
 //! A boundary value problem and its states.
 
-use super::contact::Contact;
+use super::contact::{Contact, Grip};
 use super::element::quadrature;
 use super::kinematics::Kinematics;
 use super::material::{History, Material};
@@ -90,6 +90,11 @@ impl Problem {
         let mut held = vec![false; self.mesh.nodes.len() * dim];
         self.supports.iter().for_each(|s| held[s.node as usize * dim + s.axis] = true);
         held.iter().filter(|h| !**h).count()
+    }
+
+    /// Whether faces rub against each other.
+    pub fn rubs(&self) -> bool {
+        self.contacts.iter().any(|contact| matches!(contact.grip, Grip::Coulomb(_)))
     }
 
     /// Positions of the nodes in a state, mm.

@@ -198,11 +198,10 @@ impl ElementSystem {
         }
         for k in 0..pressures {
             let (rows, slope) = (&divergence[k * unknowns..], &self.pressure_slope[k * unknowns..(k + 1) * unknowns]);
-            for i in 0..unknowns {
-                self.condensed[i] += rows[i] * self.pressure_defect[k];
-                for (entry, s) in self.stiffness[i * unknowns..(i + 1) * unknowns].iter_mut().zip(slope) {
-                    *entry += rows[i] * s;
-                }
+            let lines = self.stiffness.chunks_exact_mut(unknowns).zip(&mut self.condensed);
+            for (row, (line, condensed)) in rows.iter().zip(lines) {
+                *condensed += row * self.pressure_defect[k];
+                line.iter_mut().zip(slope).for_each(|(entry, s)| *entry += row * s);
             }
         }
         Some(())
@@ -289,9 +288,8 @@ impl<const D: usize, const N: usize> Operator<D, N> {
     fn new(kinematics: Kinematics, point: &MaterialPoint, nodes: usize) -> Self {
         let hoop = kinematics == Kinematics::Axisymmetric;
         let mut weight = [[0.0; N]; 3];
-        for a in 0..nodes.min(N) {
-            let gradient = &point.gradient[a];
-            let third = if D == 3 { gradient[2] } else { point.hoop[a] };
+        for (a, (gradient, hoop)) in point.gradient.iter().zip(&point.hoop).enumerate().take(nodes.min(N)) {
+            let third = if D == 3 { gradient[2] } else { *hoop };
             [weight[0][a], weight[1][a], weight[2][a]] = [gradient[0], gradient[1], third];
         }
         let parts = if D == 3 { [3; 3] } else { [if hoop { 3 } else { 2 }, 2, 0] };

@@ -199,7 +199,7 @@ impl SparseCholesky {
                         continue;
                     }
                     let start = self.columns[column as usize];
-                    // Where the unknown `row` of b stands in the column.
+                    // The rows of b stand in a line: the place of each is its number plus this.
                     let base = if a == b {
                         start.wrapping_sub(column)
                     } else {
