@@ -34,10 +34,12 @@ def cap(size):
     return ccx.Mesh(np.stack([x, z], axis=1), elements.reshape(-1, 8), np.ones(len(elements.reshape(-1, 8)), int))
 
 
-def deck_of(block, size, nu, stiffness, mortar, increment):
+def deck_of(block, size, nu, stiffness, mortar, increment, core):
     """The input deck; the block's nodes and elements come first."""
     ball = cap(size)
     count = len(block.nodes)
+    for body in (block, ball):
+        body.nodes[:, 0] = np.maximum(body.nodes[:, 0], core * size)
     both = ccx.Mesh(
         np.concatenate([block.nodes, ball.nodes]),
         np.concatenate([block.elements, ball.elements + count]),
@@ -51,7 +53,7 @@ def deck_of(block, size, nu, stiffness, mortar, increment):
     deck += "*SURFACE,NAME=TIP,TYPE=ELEMENT\n" + "".join(f"{e},S3\n" for e in top)
     numbers = np.arange(len(both.nodes))
     deck += both.node_set("HELD", lambda r, z: numbers >= count)
-    deck += both.node_set("AXIS", lambda r, z: (np.abs(r) < 1e-9) & (numbers < count))
+    deck += both.node_set("AXIS", lambda r, z: (np.abs(r) < (core + 1e-6) * size) & (numbers < count))
     deck += both.node_set("BASE", lambda r, z: (np.abs(z - FAR) < 1e-6) & (numbers < count))
     deck += ccx.material("BLOCK", "linear", YOUNG, nu) + ccx.material("CAP", "linear", 1000 * YOUNG, 0.3)
     deck += "*SURFACE INTERACTION,NAME=TOUCH\n*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR\n"
@@ -98,10 +100,10 @@ def scatter(rows, rung, nu=0.3):
     return {"rms": rms(r >= 0), "rms_off_axis": rms(beyond), "largest_off_axis": float(np.max(np.abs(off[beyond])))}
 
 
-def solve(mesh, rung, folder, nu=0.3, stiffness=100.0, mortar=None, increment=1.0):
+def solve(mesh, rung, folder, nu=0.3, stiffness=100.0, mortar=None, increment=1.0, core=0.01):
     """Presses the ball in; figures with force (mN), pressures (kPa) and their scatter, for E = 1 kPa."""
     block = ccx.Mesh.of_lattice(mesh)
-    deck = deck_of(block, 0.2 / rung, nu, stiffness, mortar, increment)
+    deck = deck_of(block, 0.2 / rung, nu, stiffness, mortar, increment, core)
     figures, printed = ccx.run("hertz", deck, folder)
     total = printed.split("total force")[1].splitlines()[1:]
     force = -float(next(line for line in total if line.strip()).split()[1]) * ccx.SLICES / YOUNG
@@ -124,10 +126,11 @@ def main():
     p.add_argument("--nu", type=float, default=0.3)
     p.add_argument("--stiffness", type=float, default=100.0, help="penalty over Young's modulus, per mm")
     p.add_argument("--mortar", help="MORTAR, LINMORTAR or PGLINMORTAR instead of the penalty")
+    p.add_argument("--core", type=float, default=0.01, help="radius of the hole on the axis, in elements; 0: none")
     p.add_argument("--increment", type=float, default=1.0)
     p.add_argument("--out", default="calculix-hertz")
     a = p.parse_args()
-    print(json.dumps(solve(a.mesh, a.rung, a.out, a.nu, a.stiffness, a.mortar, a.increment)))
+    print(json.dumps(solve(a.mesh, a.rung, a.out, a.nu, a.stiffness, a.mortar, a.increment, a.core)))
 
 
 if __name__ == "__main__":
