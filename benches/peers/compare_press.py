@@ -1,0 +1,250 @@
+#!/usr/bin/env python3
+"""tirtouch against CalculiX: the same presses, their forces and pressures, and the seconds they take.
+
+    benches/peers/mechanics.sh                  # builds the release binary, then all three parts
+    python compare_press.py forces hertz        # some parts; the figures of the others are kept
+
+forces   a tied press on ladders of meshes: the mesh of ours in both programs, and CalculiX's own even grid
+speed    the same press by both, alternating, the order turning from round to round
+hertz    a ball on a block of the same mesh: the pressures against Hertz's
+
+Writes mechanics.json (every figure) and mechanics.md (the tables).
+"""
+
+import argparse
+import json
+import os
+import resource
+import statistics
+import subprocess
+import tempfile
+from pathlib import Path
+
+import calculix_deck as ccx
+import calculix_hertz
+import calculix_press
+
+HERE = Path(__file__).resolve().parent
+PRESSES = {"linear, 1 mm": ("linear", 1.0), "neo-Hookean, 1 mm": ("neo-hookean", 1.0), "neo-Hookean, 4 mm": ("neo-hookean", 4.0)}
+# Rungs of each ladder: subdivisions of our mesh in ours, in CalculiX; columns and rows of CalculiX's own grid.
+RUNGS = {
+    "linear, 1 mm": ([1, 2, 4], [1, 2, 4], [(48, 34), (96, 68), (192, 136)]),
+    "neo-Hookean, 1 mm": ([1, 2, 4], [1, 2, 4], [(24, 17), (48, 34), (96, 68)]),
+    "neo-Hookean, 4 mm": ([1, 2, 4], [1, 2], [(24, 17), (48, 34)]),
+}
+
+
+class Programs:
+    """Both programs and a folder for their files."""
+
+    def __init__(self, binary, work):
+        self.binary, self.work = Path(binary).resolve(), Path(work)
+
+    def ours(self, *arguments, threads=None):
+        """One run of press_peer: its figures, and the processor's seconds of the whole program."""
+        environment = dict(os.environ)
+        if threads:
+            environment["RAYON_NUM_THREADS"] = str(threads)
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        done = subprocess.run([self.binary, *map(str, arguments)], check=True, capture_output=True, text=True, env=environment)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        return {**json.loads(done.stdout), "cpu_seconds": cpu}
+
+    def tied(self, law, press, subdivision, *more, threads=None):
+        arguments = ["tied", "--law", law, "--press", press, "--subdivision", subdivision]
+        return self.ours(*arguments, *more, threads=threads)
+
+    def mesh(self, kind, *arguments):
+        path = self.work / f"{kind}-{'-'.join(map(str, arguments))}.json".replace("--", "")
+        if not path.exists():
+            self.ours(kind, *arguments, "--mesh", path)
+        return path
+
+    def theirs(self, law, press, subdivision=None, grid=None):
+        """One run of CalculiX, on our mesh or on its own grid."""
+        if grid:
+            mesh = calculix_press.grid(*grid)
+        else:
+            mesh = ccx.Mesh.of_lattice(self.mesh("tied", "--law", "linear", "--subdivision", subdivision))
+        return calculix_press.solve(mesh, law, press, self.work / "press")
+
+
+def extrapolated(values):
+    """Aitken's limit of a ladder of halved sizes; of two rungs that of order 1, the tied edge being singular; the
+    last where the steps do not shrink one way."""
+    if len(values) < 3:
+        return 2 * values[-1] - values[-2]
+    a, b, c = values[-3:]
+    if abs(c - b) >= abs(b - a) or (c - b) * (b - a) <= 0:
+        return c
+    return c - (c - b) ** 2 / ((c - b) - (b - a))
+
+
+def forces(programs, found, keep):
+    """The ladders of the tied press."""
+    for name, (law, press) in PRESSES.items():
+        mine, matched, grids = RUNGS[name]
+        runs = [("tirtouch", f"x{s}", lambda s=s: programs.tied(law, press, s, "--estimate")) for s in mine]
+        runs += [("CalculiX, our mesh", f"x{s}", lambda s=s: programs.theirs(law, press, subdivision=s)) for s in matched]
+        runs += [("CalculiX, own grid", f"{a} x {b}", lambda g=(a, b): programs.theirs(law, press, grid=g)) for a, b in grids]
+        for program, rung, run in runs:
+            known = found.setdefault(name, {}).setdefault(program, {})
+            if rung not in known:
+                try:
+                    known[rung] = run()
+                except RuntimeError as error:
+                    known[rung] = {"failed": str(error)}
+                print(name, program, rung, known[rung], flush=True)
+                keep()
+
+
+SPEED = {
+    "tirtouch x1": lambda p: p.tied("neo-hookean", 1.0, 1),
+    "tirtouch x1, one thread": lambda p: p.tied("neo-hookean", 1.0, 1, threads=1),
+    "tirtouch x2 (default)": lambda p: p.tied("neo-hookean", 1.0, 2),
+    "tirtouch x2, one thread": lambda p: p.tied("neo-hookean", 1.0, 2, threads=1),
+    "CalculiX, own grid 48 x 34": lambda p: p.theirs("neo-hookean", 1.0, grid=(48, 34)),
+    "CalculiX, our mesh x2": lambda p: p.theirs("neo-hookean", 1.0, subdivision=2),
+}
+
+
+def speed(programs, found, keep, rounds):
+    """Every contender once a round, the order turning."""
+    found.clear()
+    found["load_before"] = os.getloadavg()
+    found["rounds"] = {name: [] for name in SPEED}
+    for number in range(rounds):
+        for name in list(SPEED)[:: 1 if number % 2 == 0 else -1]:
+            found["rounds"][name].append(SPEED[name](programs))
+            print(number, name, found["rounds"][name][-1], flush=True)
+    found["load_after"] = os.getloadavg()
+    keep()
+
+
+# CalculiX's penalty in Young's moduli per mm, and the radius of the hole about the axis in elements.
+PENALTIES = {"100 E/mm, elements on the axis": (100, 0.0), "30 E/mm": (30, 0.01), "100 E/mm": (100, 0.01), "1000 E/mm": (1000, 0.01)}
+
+
+def hertz(programs, found, keep):
+    """The ball on meshes of 0.2, 0.1 and 0.05 mm, with CalculiX's penalty weak to stiff, and its mortar contact once."""
+    for nu, rung in [(nu, rung) for nu in (0.3, 0.499) for rung in (1, 2, 4)]:
+        known = found.setdefault(f"{nu} | {0.2 / rung}", {})
+        mine = programs.ours("hertz", "--rung", rung, "--nu", nu)
+        known["tirtouch"] = {**mine, **calculix_hertz.scatter(mine["pressures"], rung, nu)}
+        mesh = programs.mesh("hertz", "--rung", rung)
+        for name, (stiffness, core) in PENALTIES.items():
+            try:
+                run = calculix_hertz.solve(mesh, rung, programs.work / "hertz", nu, stiffness, core=core)
+            except (RuntimeError, subprocess.TimeoutExpired) as error:
+                run = {"failed": str(error)}
+            known[f"CalculiX, {name}"] = run
+        keep()
+    try:
+        calculix_hertz.solve(programs.mesh("hertz", "--rung", 1), 1, programs.work / "hertz", mortar="MORTAR")
+        found["mortar"] = "works"
+    except RuntimeError:
+        log = (programs.work / "hertz" / "log").read_text()
+        found["mortar"] = next((" ".join(line.split()) for line in log.splitlines() if "*ERROR" in line), "fails")
+    keep()
+
+
+def tables(found):
+    """The figures as Markdown."""
+    text = [found["machine"], ""]
+    if "forces" in found:
+        text += ["## Tied press: force", ""]
+        text += ["| press | program | mesh | unknowns | iterations | force, N | off the limit | middle, kPa | processor seconds |", "|" + "---|" * 9]
+        for name, programs in found["forces"].items():
+            limit = extrapolated([run["force_n"] for run in programs["tirtouch"].values()])
+            for program, runs in programs.items():
+                good = {rung: run for rung, run in runs.items() if "failed" not in run}
+                for rung, run in good.items():
+                    off = 100 * (run["force_n"] / limit - 1)
+                    text.append(
+                        f"| {name} | {program} | {rung} | {run['dofs']} | {run['iterations'] or '-'} | {run['force_n']:.5f} | {off:+.2f} % |"
+                        f" {run['middle_kpa']:.4f} | {run['cpu_seconds']:.2f} |"
+                    )
+                if len(good) > 1:
+                    force, middle = (extrapolated([run[key] for run in good.values()]) for key in ("force_n", "middle_kpa"))
+                    text.append(f"| {name} | {program} | limit | | | **{force:.5f}** | {100 * (force / limit - 1):+.2f} % | {middle:.4f} | |")
+                text += [f"| {name} | {program} | {rung} | failed | | | | | |" for rung in runs if rung not in good]
+        text += ["", "Estimates of our own error of the force: " + "; ".join(_estimates(found["forces"])) + ".", ""]
+    if "speed" in found and "forces" in found:
+        text += _speed_table(found)
+    if "hertz" in found:
+        text += ["## Hertz: pressure of a ball, r < 0.8 a", "", "| nu | element, mm | program | unknowns | rms | without the axis | largest | force / Hertz | seconds |", "|" + "---|" * 9]
+        for size, programs in found["hertz"].items():
+            if size == "mortar":
+                continue
+            for program, run in programs.items():
+                if "failed" in run:
+                    text.append(f"| {size} | {program} | failed | | | | | |")
+                    continue
+                ratio = run["force_mn"] / run["hertz_force_mn"]
+                text.append(
+                    f"| {size} | {program} | {run['dofs']} | {100 * run['rms']:.2f} % | {100 * run['rms_off_axis']:.2f} % | {100 * run['largest_off_axis']:.2f} % | {ratio:.4f} | {run['seconds']:.2f} |"
+                )
+        text += ["", f"CalculiX's mortar contact, axisymmetric: `{found['hertz']['mortar']}`.", ""]
+    return "\n".join(text)
+
+
+def _estimates(forces):
+    for name, programs in forces.items():
+        limit = extrapolated([run["force_n"] for run in programs["tirtouch"].values()])
+        for rung, run in programs["tirtouch"].items():
+            if run["estimated_force_error"] is not None:
+                yield f"{name} {rung} {100 * run['estimated_force_error']:.3f} % (true {100 * abs(run['force_n'] / limit - 1):.3f} %)"
+
+
+def _speed_table(found):
+    runs = found["speed"]["rounds"]
+    ladder = found["forces"]["neo-Hookean, 1 mm"]["tirtouch"].values()
+    limits = [extrapolated([run[key] for run in ladder]) for key in ("force_n", "middle_kpa")]
+    median = {name: [statistics.median(run[key] for run in rounds) for key in ("seconds", "cpu_seconds")] for name, rounds in runs.items()}
+    peers = [name for name in runs if name.startswith("CalculiX")]
+    before, after = (found["speed"][key][0] for key in ("load_before", "load_after"))
+    count = len(runs[peers[0]])
+    text = ["## Speed: tied press, neo-Hookean, 1 mm", "", f"Medians of {count} alternating rounds; load average {before:.1f} before, {after:.1f} after.", ""]
+    text += ["| program | unknowns | force off | middle off | seconds | of processor | " + " | ".join(f"faster than {p}" for p in peers) + " |", "|" + "---|" * (6 + len(peers))]
+    for name, rounds in runs.items():
+        off = [abs(rounds[0][key] / limit - 1) for key, limit in zip(("force_n", "middle_kpa"), limits)]
+        ratios = [f"{statistics.median(b['seconds'] / a['seconds'] for a, b in zip(rounds, runs[peer])):.0f}" for peer in peers]
+        cells = [name, rounds[0]["dofs"], *(f"{100 * o:.2f} %" for o in off), *(f"{s:.2f}" for s in median[name])]
+        text.append("| " + " | ".join(map(str, cells + (ratios if name not in peers else ["" for _ in peers]))) + " |")
+    return text + [""]
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    p.add_argument("parts", nargs="*", help="forces, speed, hertz; all where none is named")
+    p.add_argument("--binary", default=HERE.parent.parent / "target/release/examples/press_peer")
+    p.add_argument("--build", default="release", help="what the tables say of the binary")
+    p.add_argument("--rounds", type=int, default=5)
+    p.add_argument("--out", default=HERE / "results")
+    a = p.parse_args()
+    out = Path(a.out)
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / "mechanics.json"
+    found = json.loads(path.read_text()) if path.exists() else {}
+    version = subprocess.run(["ccx", "-v"], capture_output=True, text=True).stdout.split()[-1]
+    found["machine"] = f"CalculiX {version} with one thread; tirtouch built as `{a.build}`; {os.cpu_count()} processors."
+
+    def keep():
+        path.write_text(json.dumps(found))
+
+    with tempfile.TemporaryDirectory() as work:
+        programs = Programs(a.binary, work)
+        for part in a.parts or ["forces", "speed", "hertz"]:
+            section = found.setdefault(part, {})
+            if part == "speed":
+                speed(programs, section, keep, a.rounds)
+            else:
+                {"forces": forces, "hertz": hertz}[part](programs, section, keep)
+    keep()
+    (out / "mechanics.md").write_text(tables(found))
+    print(tables(found))
+
+
+if __name__ == "__main__":
+    main()
