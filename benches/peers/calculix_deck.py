@@ -75,7 +75,7 @@ def run(name, deck, folder, threads=1):
     process.returncode = os.waitstatus_to_exitcode(status)
     log = log_path.read_text()
     if process.returncode != 0 or "Job finished" not in log or "*ERROR" in log:
-        raise RuntimeError(f"ccx failed in {folder}: {' / '.join(log.splitlines()[-6:])}")
+        raise RuntimeError(f"ccx failed: {' / '.join(log.splitlines()[-6:])}")
     figures = {
         "seconds": seconds,
         "cpu_seconds": usage.ru_utime + usage.ru_stime,
