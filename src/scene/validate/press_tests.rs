@@ -246,7 +246,7 @@ fn the_rules_of_scans_hold() {
         scan_rule(positions, "{ from = -20, to = 20, count = 1 } #!", "scan.positions_mm.count", "from 2 to 1000"),
         scan_rule("= 16.0 ", "= 110.5 #!", "scan.frame_half_width_mm", "reaches 130.5 mm from the middle, over the tissue's side at 130 mm"),
         scan_rule("= 129", "= 4 #!", "scan.frame_points", "from 5 to 10000"),
-        scan_rule("= 8.0 ", "= 16.5 #!", "scan.window_mm", "at most 16"),
+        scan_rule("window_mm = 10.0 ", "window_mm = 16.5 #!", "scan.window_mm", "at most 16"),
         scan_rule("\"frictionless\" }", "\"coulomb\", friction = -1 } #!", "scan.interface.friction", "positive"),
         scan_rule(block, "{ kind = \"cylinder\", radius_mm = 130, height_mm = 25.0 } #!", "phantom.shape.kind", "needs a block"),
         scan_rule("depth_to = \"top\"", "center_mm = [0, 1] #!", "phantom.inclusion[0].center_mm[1]", "at most 0"),

@@ -1,0 +1,362 @@
+//! Newton's method over displacement, pressure and contact traction.
+
+mod system;
+mod touch;
+
+use super::contact::{Grip, Positions};
+use super::material::History;
+use super::problem::{Problem, State};
+use super::solid::{ElementSystem, advance_history, element_system, tangent_bulk_kpa};
+use super::sparse::{SparseCholesky, SparseError};
+use rayon::prelude::*;
+use system::{floor, unknowns};
+use thiserror::Error;
+use touch::{Touching, touch};
+
+/// What a solver holds over many steps: numbering, pattern, factor.
+pub struct Solver<'a> {
+    problem: &'a Problem,
+    /// Equation of each displacement component; `HELD` where it is prescribed.
+    equation: Vec<u32>,
+    equations: usize,
+    /// Prescribed displacement of each component at load factor 1.
+    prescribed: Vec<f64>,
+    matrix: Option<SparseCholesky>,
+    tangent_bulk_kpa: f64,
+    /// Forces of a strain of `FLOOR_STRAIN`, mN.
+    floor: Vec<f64>,
+    /// Time of the present step, s.
+    seconds: f64,
+    /// Newton iterations so far.
+    pub iterations: usize,
+    /// Symbolic factorisations so far.
+    pub symbolic: usize,
+}
+
+const HELD: u32 = u32::MAX;
+
+/// When a state counts as balanced.
+const FORCE_TOLERANCE: f64 = 1e-9;
+/// Strain whose stresses count among the size of the forces: pressures are only known to the rounding of F times the
+/// tangent's bulk modulus, 1e-12 mu.
+const FLOOR_STRAIN: f64 = 1e-3;
+/// Largest mean volume defect.
+const VOLUME_TOLERANCE: f64 = 1e-9;
+/// Largest gap of nodes in contact and largest slip of sticking ones, mm.
+const GAP_TOLERANCE: f64 = 1e-8;
+/// Newton iterations of one load step.
+const ITERATIONS: usize = 40;
+/// Rounds of friction in a step.
+const FRICTION_ROUNDS: usize = 30;
+/// Largest change of the friction's bound between rounds, as a share of its largest.
+const FRICTION_TOLERANCE: f64 = 1e-5;
+/// Newton iterations without progress in a step before it is given up.
+const PATIENCE: usize = 3;
+/// Rise of the forces' residual above its least at which a step is given up, and the least that counts.
+const RISE: f64 = 10.0;
+const WORTH: f64 = 1e-2;
+/// Halvings of a Newton step that turns an element inside out.
+const HALVINGS: usize = 10;
+/// Elements evaluated at a time.
+const CHUNK: usize = 512;
+
+/// Why a load step did not converge.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum StepError {
+    /// The iterations did not settle.
+    #[error(
+        "no balance after {iterations} iterations: forces off by {force:.1e} of their size, volume by {volume:.1e}, contact by {gap:.1e} mm"
+    )]
+    Diverged {
+        /// Iterations.
+        iterations: usize,
+        /// Relative residual of the forces.
+        force: f64,
+        /// Largest volume defect.
+        volume: f64,
+        /// Largest gap in contact, mm.
+        gap: f64,
+    },
+    /// The rounds of friction did not settle.
+    #[error("the friction does not settle")]
+    Friction,
+    /// An element turned inside out however short the step.
+    #[error("an element turns inside out")]
+    InsideOut,
+    /// The linear system.
+    #[error(transparent)]
+    Sparse(#[from] SparseError),
+}
+
+impl StepError {
+    /// Whether the matrix does not fit in memory.
+    pub fn is_too_large(&self) -> bool {
+        matches!(self, Self::Sparse(SparseError::TooLarge | SparseError::Memory { .. }))
+    }
+}
+
+/// How far a state is from balance.
+#[derive(Debug, Clone, Copy)]
+struct Balance {
+    force: f64,
+    volume: f64,
+    gap: f64,
+    settled: bool,
+}
+
+impl Balance {
+    fn holds(&self) -> bool {
+        self.settled && self.force <= FORCE_TOLERANCE && self.volume <= VOLUME_TOLERANCE && self.gap <= GAP_TOLERANCE
+    }
+}
+
+impl<'a> Solver<'a> {
+    /// Numbers the unknowns of a problem.
+    pub fn new(problem: &'a Problem) -> Self {
+        let dim = problem.kinematics.dim();
+        let mut prescribed = vec![0.0; problem.mesh.nodes.len() * dim];
+        let mut equation = vec![0; prescribed.len()];
+        for support in &problem.supports {
+            let k = support.node as usize * dim + support.axis;
+            prescribed[k] = support.displacement_mm;
+            equation[k] = HELD;
+        }
+        let mut equations = 0;
+        for e in equation.iter_mut().filter(|e| **e != HELD) {
+            *e = equations;
+            equations += 1;
+        }
+        Self {
+            problem,
+            equation,
+            equations: equations as usize,
+            prescribed,
+            matrix: None,
+            tangent_bulk_kpa: tangent_bulk_kpa(&problem.materials),
+            floor: floor(problem),
+            seconds: 0.0,
+            iterations: 0,
+            symbolic: 0,
+        }
+    }
+
+    /// The state at load factor `load` after the balanced state `from`, sought from `guess`. Friction is found in rounds: each bears what the pressures of
+    /// the last one allow.
+    ///
+    /// # Errors
+    /// [`StepError`] where the step is too long or the structure unstable.
+    pub fn step(&mut self, from: &State, guess: &State, load: f64) -> Result<State, StepError> {
+        let seconds = self.problem.seconds_per_load.map_or(f64::INFINITY, |s| s * (load - from.load).abs());
+        self.over(from, guess, load, seconds)
+    }
+
+    /// The states' line, continued to a load; `None` where it turns an element inside out.
+    pub fn extrapolated(&self, before: &State, last: &State, load: f64) -> Option<State> {
+        let share = (load - last.load) / (last.load - before.load);
+        let line = |a: f64, b: f64| b + share * (b - a);
+        let mut next = last.clone();
+        next.load = load;
+        for (next, before) in next.displacement.iter_mut().zip(&before.displacement) {
+            (0..3).for_each(|i| next[i] = line(before[i], next[i]));
+        }
+        next.pressure.iter_mut().zip(&before.pressure).for_each(|(next, before)| *next = line(*before, *next));
+        for (next, before) in next.traction.iter_mut().flatten().zip(before.traction.iter().flatten()) {
+            if next.normal > 0.0 {
+                next.normal = line(before.normal, next.normal).max(0.5 * next.normal);
+            }
+            (0..3).for_each(|i| next.vector[i] = line(before.vector[i], next.vector[i]));
+        }
+        let sound = |e| self.element(e, &next, None).is_some();
+        (share.is_finite() && (0..next.history.len()).into_par_iter().all(sound)).then_some(next)
+    }
+
+    /// The state after the load was held for a time, s.
+    ///
+    /// # Errors
+    /// [`StepError`].
+    pub fn hold(&mut self, from: &State, seconds: f64) -> Result<State, StepError> {
+        self.over(from, from, from.load, seconds)
+    }
+
+    fn over(&mut self, from: &State, guess: &State, load: f64, seconds: f64) -> Result<State, StepError> {
+        let mut state = self.round(from, guess, load, seconds)?;
+        for _ in 0..FRICTION_ROUNDS {
+            if self.renew_friction(from, &mut state) <= FRICTION_TOLERANCE {
+                state.history = self.remember(&state, from, seconds).ok_or(StepError::InsideOut)?;
+                return Ok(state);
+            }
+            state = self.round(from, &state, load, seconds)?;
+        }
+        Err(StepError::Friction)
+    }
+
+    /// Memory of the materials at the end of a step.
+    fn remember(&self, state: &State, from: &State, seconds: f64) -> Option<Vec<Vec<History>>> {
+        let advance = |(e, history): (usize, &Vec<History>)| {
+            if history.is_empty() {
+                return Some(Vec::new());
+            }
+            let (nodes, element) = self.nodes(e);
+            let displacement: Vec<[f64; 3]> = element.iter().map(|&a| state.displacement[a as usize]).collect();
+            let material = &self.problem.materials[self.problem.mesh.region[e] as usize];
+            advance_history(self.problem.kinematics, &nodes, &displacement, material, history, seconds)
+        };
+        from.history.iter().enumerate().map(advance).collect()
+    }
+
+    /// Sets the bounds of friction from the pressures; the largest change as a share of the largest bound. A node that did
+    /// not touch at the step's start bears none yet: its way before it touched is no slip.
+    fn renew_friction(&self, from: &State, state: &mut State) -> f64 {
+        let (mut change, mut largest) = (0.0f64, f64::MIN_POSITIVE);
+        let lists = from.traction.iter().zip(&mut state.traction);
+        for (contact, (before, list)) in self.problem.contacts.iter().zip(lists) {
+            let Grip::Coulomb(friction) = contact.grip else { continue };
+            for (before, traction) in before.iter().zip(list) {
+                let bound = if before.normal > 0.0 { friction * traction.normal.max(0.0) } else { 0.0 };
+                change = change.max((bound - traction.bound).abs());
+                largest = largest.max(bound);
+                traction.bound = bound;
+            }
+        }
+        change / largest
+    }
+
+    /// Newton's method from the guess `start`, with slip counted from the state `from`.
+    fn round(&mut self, from: &State, start: &State, load: f64, seconds: f64) -> Result<State, StepError> {
+        self.seconds = seconds;
+        let before = self.problem.positions(from);
+        let mut state = start.clone();
+        state.load = load;
+        let mut last = Balance { force: f64::INFINITY, volume: 0.0, gap: 0.0, settled: false };
+        let first = self.iterations;
+        let mut first_force = f64::INFINITY;
+        let (mut best, mut stale) = (f64::INFINITY, 0);
+        for iteration in 0..ITERATIONS {
+            let touches = self.touches(&state, &before);
+            let (systems, balance) = self.evaluate(&state, &touches)?;
+            last = balance;
+            if balance.holds() {
+                return Ok(state);
+            }
+            let off = balance.force + balance.volume;
+            if balance.settled {
+                first_force = first_force.min(balance.force.max(WORTH));
+                if iteration > 0 && balance.force > RISE * first_force {
+                    break;
+                }
+            }
+            // The first balance is that of the last step, and contacts that open or close are progress too.
+            if iteration == 0 || !balance.settled {
+                (best, stale) = (f64::INFINITY, 0);
+            } else if off < 0.5 * best {
+                best = off;
+            } else if stale < PATIENCE {
+                stale += 1;
+            } else {
+                break;
+            }
+            self.iterations += 1;
+            let change = self.solve(&state, &systems, &touches)?;
+            state = self.advance(&state, &systems, &touches, &change)?;
+        }
+        Err(StepError::Diverged {
+            iterations: self.iterations - first,
+            force: last.force,
+            volume: last.volume,
+            gap: last.gap,
+        })
+    }
+
+    /// The problem.
+    pub fn problem(&self) -> &'a Problem {
+        self.problem
+    }
+
+    /// Bytes of the last factor.
+    pub fn factor_bytes(&self) -> usize {
+        self.matrix.as_ref().map_or(0, SparseCholesky::factor_bytes)
+    }
+
+    fn nodes(&self, e: usize) -> (Vec<[f64; 3]>, &[u32]) {
+        let element = self.problem.mesh.element(e);
+        (element.iter().map(|&a| self.problem.mesh.nodes[a as usize]).collect(), element)
+    }
+
+    fn element(&self, e: usize, state: &State, tangent_bulk_kpa: Option<f64>) -> Option<ElementSystem> {
+        let (nodes, element) = self.nodes(e);
+        let displacement: Vec<[f64; 3]> = element.iter().map(|&a| state.displacement[a as usize]).collect();
+        let pressures = self.problem.kinematics.dim() + 1;
+        let material = &self.problem.materials[self.problem.mesh.region[e] as usize];
+        let pressure = &state.pressure[e * pressures..(e + 1) * pressures];
+        let history = Some((state.history[e].as_slice(), self.seconds));
+        element_system(self.problem.kinematics, &nodes, &displacement, pressure, material, history, tangent_bulk_kpa)
+    }
+
+    fn touches(&self, state: &State, before: &[[f64; 3]]) -> Vec<Touching> {
+        let now = self.problem.positions(state);
+        let at = Positions { reference: &self.problem.mesh.nodes, before, now: &now };
+        let contacts = self.problem.contacts.iter().zip(&state.traction);
+        contacts
+            .map(|(contact, traction)| {
+                let pressure: Vec<f64> = traction.iter().map(|t| t.normal).collect();
+                let (gaps, stiffness) = contact.gaps(at, &pressure);
+                let held = traction.iter().zip(&contact.spring);
+                let touch = |(gap, (&now, &spring))| touch(contact.grip, gap, now, spring);
+                Touching { nodes: gaps.into_iter().zip(held).map(touch).collect(), stiffness }
+            })
+            .collect()
+    }
+
+    /// Moves a state along Newton's step, as far as no element turns inside out.
+    fn advance(
+        &self,
+        state: &State,
+        systems: &[ElementSystem],
+        touches: &[Touching],
+        change: &[f64],
+    ) -> Result<State, StepError> {
+        let mut share = 1.0;
+        for _ in 0..HALVINGS {
+            let next = self.moved(state, systems, touches, change, share);
+            let sound = (0..systems.len()).into_par_iter().all(|e| self.element(e, &next, None).is_some());
+            if sound {
+                return Ok(next);
+            }
+            share *= 0.5;
+        }
+        Err(StepError::InsideOut)
+    }
+
+    fn moved(
+        &self,
+        state: &State,
+        systems: &[ElementSystem],
+        touches: &[Touching],
+        change: &[f64],
+        share: f64,
+    ) -> State {
+        let dim = self.problem.kinematics.dim();
+        let mut next = state.clone();
+        for (k, du) in change.iter().enumerate() {
+            next.displacement[k / dim][k % dim] += share * du;
+        }
+        for (e, system) in systems.iter().enumerate() {
+            let unknowns = unknowns(self.problem.mesh.element(e), dim);
+            for p in 0..=dim {
+                let slope = &system.pressure_slope[p * unknowns.len()..];
+                let moved: f64 = unknowns.iter().zip(slope).map(|(&k, s)| s * change[k]).sum();
+                next.pressure[e * (dim + 1) + p] += share * (system.pressure_defect[p] + moved);
+            }
+        }
+        for (list, touching) in next.traction.iter_mut().zip(touches) {
+            for (traction, touch) in list.iter_mut().zip(&touching.nodes) {
+                let target = touch.stepped(change, dim);
+                traction.normal = touch.now.normal + share * (target.normal - touch.now.normal);
+                for i in 0..3 {
+                    traction.vector[i] = touch.now.vector[i] + share * (target.vector[i] - touch.now.vector[i]);
+                }
+            }
+        }
+        next
+    }
+}

@@ -1,0 +1,225 @@
+//! Newton's linear system: residual, tangent, step.
+
+use super::touch::{Touching, moved, pushes, tangential};
+use super::{Balance, CHUNK, FLOOR_STRAIN, HELD, Solver, StepError};
+use crate::mechanics::element::quadrature;
+use crate::mechanics::problem::{Problem, State};
+use crate::mechanics::solid::ElementSystem;
+use crate::mechanics::sparse::{SparseCholesky, SparseError};
+use rayon::prelude::*;
+
+impl Solver<'_> {
+    /// All elements with their tangents, and how far the state is from balance.
+    pub(super) fn evaluate(
+        &mut self,
+        state: &State,
+        touches: &[Touching],
+    ) -> Result<(Vec<ElementSystem>, Balance), StepError> {
+        self.prepare(touches)?;
+        let problem = self.problem;
+        let dim = problem.kinematics.dim();
+        let mut systems = Vec::with_capacity(problem.mesh.element_count());
+        let mut residual = vec![0.0; self.prescribed.len()];
+        let mut size = self.floor.clone();
+        let mut volume: f64 = 0.0;
+        let mut matrix = self.matrix.take().ok_or(SparseError::TooLarge)?;
+        matrix.values.fill(0.0);
+        let elements: Vec<usize> = (0..problem.mesh.element_count()).collect();
+        for chunk in elements.chunks(CHUNK) {
+            let chunk_systems: Option<Vec<ElementSystem>> =
+                chunk.par_iter().map(|&e| self.element(e, state, Some(self.tangent_bulk_kpa))).collect();
+            let Some(chunk_systems) = chunk_systems else {
+                self.matrix = Some(matrix);
+                return Err(StepError::InsideOut);
+            };
+            for (&e, mut system) in chunk.iter().zip(chunk_systems) {
+                let unknowns = unknowns(problem.mesh.element(e), dim);
+                for (&k, f) in unknowns.iter().zip(&system.force) {
+                    residual[k] += f;
+                    size[k] += f.abs();
+                }
+                volume = volume.max(system.volume_defect);
+                self.add_element(&mut matrix, problem.mesh.element(e), &unknowns, &system.stiffness);
+                system.stiffness = held_columns(&unknowns, &self.equation, &system.stiffness);
+                systems.push(system);
+            }
+        }
+        self.add_contacts(&mut matrix, touches);
+        self.matrix = Some(matrix);
+        for &(node, force) in &problem.forces {
+            for c in 0..dim {
+                residual[node as usize * dim + c] -= state.load * force[c];
+                size[node as usize * dim + c] += (state.load * force[c]).abs();
+            }
+        }
+        let mut gap: f64 = 0.0;
+        let mut settled = true;
+        for touch in touches.iter().flat_map(|t| &t.nodes) {
+            gap = gap.max(touch.defect);
+            settled &= touch.settled;
+            for &(node, push) in &pushes(touch, &touch.now) {
+                for c in 0..dim {
+                    residual[node as usize * dim + c] -= push[c];
+                    size[node as usize * dim + c] += push[c].abs();
+                }
+            }
+        }
+        let mut squares = [0.0; 2];
+        for k in 0..residual.len() {
+            squares[1] += size[k] * size[k];
+            if self.equation[k] == HELD {
+                let target = state.load * self.prescribed[k];
+                settled &= (state.displacement[k / dim][k % dim] - target).abs() <= 1e-12 * (1.0 + target.abs());
+            } else {
+                squares[0] += residual[k] * residual[k];
+            }
+        }
+        let force = if squares[0] == 0.0 { 0.0 } else { (squares[0] / squares[1]).sqrt() };
+        Ok((systems, Balance { force, volume, gap, settled }))
+    }
+
+    /// Makes sure that the pattern holds all pairs that now touch.
+    fn prepare(&mut self, touches: &[Touching]) -> Result<(), SparseError> {
+        let touching = touches.iter().flat_map(|t| &t.nodes);
+        let contacts: Vec<Vec<u32>> =
+            touching.map(|touch| touch.gap.moved.iter().map(|entry| entry.0).collect()).collect();
+        if self.matrix.as_ref().is_some_and(|matrix| contacts.iter().all(|group| matrix.couples(group))) {
+            return Ok(());
+        }
+        let (mesh, dim) = (&self.problem.mesh, self.problem.kinematics.dim());
+        let mut groups: Vec<Vec<u32>> = (0..mesh.element_count()).map(|e| mesh.element(e).to_vec()).collect();
+        groups.extend(contacts);
+        let mut first = vec![0];
+        for unknowns in self.equation.chunks(dim) {
+            let free = unknowns.iter().filter(|e| **e != HELD).count() as u32;
+            first.push(first.last().map_or(0, |last| last + free));
+        }
+        self.matrix = Some(SparseCholesky::new(first, &mesh.nodes, &groups)?);
+        self.symbolic += 1;
+        Ok(())
+    }
+
+    fn add_element(&self, matrix: &mut SparseCholesky, nodes: &[u32], unknowns: &[usize], stiffness: &[f64]) {
+        let numbers: Vec<u32> = unknowns.iter().map(|&k| self.equation[k]).collect();
+        matrix.add(nodes, &numbers, stiffness);
+    }
+
+    fn add_contacts(&self, matrix: &mut SparseCholesky, touches: &[Touching]) {
+        let dim = self.problem.kinematics.dim();
+        let mut add = |row: u32, i: usize, column: u32, j: usize, value: f64| {
+            let (row, column) = (self.equation[row as usize * dim + i], self.equation[column as usize * dim + j]);
+            if row >= column
+                && row != HELD
+                && column != HELD
+                && let Some(place) = matrix.position(row, column)
+            {
+                matrix.values[place] += value;
+            }
+        };
+        for touch in touches.iter().flat_map(|t| &t.nodes).filter(|touch| touch.spring != [0.0; 2]) {
+            let projector = tangential(&touch.gap, touch.spring[0] > 0.0);
+            let [normal, along] = touch.spring.map(|spring| spring / touch.gap.area);
+            for (a, m, n) in &touch.gap.moved {
+                for (b, o, p) in &touch.gap.moved {
+                    for i in 0..dim {
+                        for j in 0..dim {
+                            let value = normal * n[i] * p[j] + along * m * o * projector[i][j];
+                            add(*a, i, *b, j, value);
+                        }
+                    }
+                }
+            }
+        }
+        for (a, b, stiffness) in touches.iter().flat_map(|t| &t.stiffness) {
+            for i in 0..dim {
+                for j in 0..dim {
+                    add(*a, i, *b, j, stiffness[i][j]);
+                }
+            }
+        }
+    }
+
+    /// Newton's step of the displacements.
+    pub(super) fn solve(
+        &mut self,
+        state: &State,
+        systems: &[ElementSystem],
+        touches: &[Touching],
+    ) -> Result<Vec<f64>, StepError> {
+        let problem = self.problem;
+        let dim = problem.kinematics.dim();
+        let mut right = vec![0.0; self.prescribed.len()];
+        let mut change = vec![0.0; self.prescribed.len()];
+        for k in 0..change.len() {
+            if self.equation[k] == HELD {
+                change[k] = state.load * self.prescribed[k] - state.displacement[k / dim][k % dim];
+            }
+        }
+        for (e, system) in systems.iter().enumerate() {
+            let unknowns = unknowns(problem.mesh.element(e), dim);
+            let n = unknowns.len();
+            unknowns.iter().zip(&system.condensed).for_each(|(&k, f)| right[k] -= f);
+            let held = unknowns.iter().filter(|&&k| self.equation[k] == HELD);
+            for (&k, column) in held.zip(system.stiffness.chunks(n)) {
+                unknowns.iter().zip(column).for_each(|(&row, value)| right[row] -= value * change[k]);
+            }
+        }
+        for &(node, force) in &problem.forces {
+            (0..dim).for_each(|c| right[node as usize * dim + c] += state.load * force[c]);
+        }
+        for touch in touches.iter().flat_map(|t| &t.nodes) {
+            for (node, push) in pushes(touch, &touch.trial) {
+                (0..dim).for_each(|c| right[node as usize * dim + c] += push[c]);
+            }
+            // Prescribed motion of held nodes in contact moves the gap too.
+            let [normal, along] = touch.spring.map(|s| if touch.gap.area > 0.0 { s / touch.gap.area } else { 0.0 });
+            let (gap, offset) = moved(&touch.gap, &change, dim);
+            let projector = tangential(&touch.gap, touch.spring[0] > 0.0);
+            for (a, m, n) in &touch.gap.moved {
+                for i in 0..dim {
+                    let slip: f64 = (0..dim).map(|j| projector[i][j] * offset[j]).sum();
+                    right[*a as usize * dim + i] -= normal * n[i] * gap + along * m * slip;
+                }
+            }
+        }
+        let mut vector = vec![0.0; self.equations];
+        for (k, &e) in self.equation.iter().enumerate().filter(|(_, e)| **e != HELD) {
+            vector[e as usize] = right[k];
+        }
+        let matrix = self.matrix.as_mut().ok_or(SparseError::TooLarge)?;
+        matrix.factorize()?;
+        matrix.solve(&mut vector);
+        for (k, &e) in self.equation.iter().enumerate().filter(|(_, e)| **e != HELD) {
+            change[k] = vector[e as usize];
+        }
+        Ok(change)
+    }
+}
+
+/// Sum over elements of shear modulus, volume and gradient of each node's shape function, times `FLOOR_STRAIN`.
+pub(super) fn floor(problem: &Problem) -> Vec<f64> {
+    let dim = problem.kinematics.dim();
+    let mut floor = vec![0.0; problem.mesh.nodes.len() * dim];
+    for e in 0..problem.mesh.element_count() {
+        let nodes = problem.mesh.element_positions(e);
+        let shear = problem.materials[problem.mesh.region[e] as usize].law.shear_kpa();
+        for point in quadrature(dim).iter().filter_map(|at| problem.kinematics.point(&nodes, at)) {
+            for (&a, gradient) in problem.mesh.element(e).iter().zip(&point.gradient) {
+                let size = FLOOR_STRAIN * shear * point.volume * gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
+                (0..dim).for_each(|c| floor[a as usize * dim + c] += size);
+            }
+        }
+    }
+    floor
+}
+
+/// Rows of the tangent's columns at held unknowns; the rest is in the matrix.
+fn held_columns(unknowns: &[usize], equation: &[u32], stiffness: &[f64]) -> Vec<f64> {
+    let n = unknowns.len();
+    let held = (0..n).filter(|&j| equation[unknowns[j]] == HELD);
+    held.flat_map(|j| (0..n).map(move |i| stiffness[i * n + j])).collect()
+}
+
+pub(super) fn unknowns(element: &[u32], dim: usize) -> Vec<usize> {
+    element.iter().flat_map(|&a| (0..dim).map(move |c| a as usize * dim + c)).collect()
+}
