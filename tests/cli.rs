@@ -21,6 +21,8 @@ mod frames;
 mod inspect;
 #[path = "cli/jobs.rs"]
 mod jobs;
+#[path = "cli/press.rs"]
+mod press;
 
 fn tirtouch(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tirtouch")).args(arguments).output().unwrap()

@@ -6,7 +6,7 @@ use super::press_files::write_press;
 use super::press_page::press_report;
 use super::pressing::{PressFailure, Wanted, press_json, press_rows, press_scene};
 use super::{Failure, Outcome, OutputFolder, Talk, print};
-use crate::mechanics::press::Pressed;
+use crate::mechanics::press::{PressError, Pressed};
 use crate::scene::LoadedScene;
 use clap::Args;
 use serde_json::json;
@@ -36,6 +36,10 @@ impl Press {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (loaded, file) = load_scene(&self.scene)?;
         let wanted = Wanted { without_inclusions: self.without_inclusions, coarse: false, quiet: self.talk.quiet };
+        if loaded.scene.press.is_none() {
+            let message = format!("{}: {}", file.display(), PressError::NoPress);
+            return Err(Failure::input(message).in_file(&file).at_key("press"));
+        }
         let name = loaded.scene.name.clone();
         let place = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&name));
         let folder = OutputFolder::create(&place, self.force)?;

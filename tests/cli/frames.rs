@@ -10,7 +10,7 @@ fn scan() -> String {
     text.replace("frame_points = 129", "frame_points = 33") + "resolution = 0.25\n"
 }
 
-fn names(folder: &Path) -> Vec<String> {
+pub fn names(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).unwrap();
     let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
@@ -82,7 +82,8 @@ fn frames_without_contact_have_undefined_features() {
     assert_eq!(code(&output), 0, "{output:?}");
     let said = json(&output);
     assert_eq!(said["features"][0]["peak_kpa"]["undefined"], "there is no contact");
-    assert_eq!((&said["shown_mm"], &said["features"][1]["peak_kpa"]), (&2.0.into(), &3.0.into()));
+    assert_eq!(said["shown_mm"], 2.0);
+    assert!((said["features"][1]["peak_kpa"].as_f64().unwrap() - 3.0).abs() < 1e-12, "{said}");
     assert_eq!(said["notes"].as_array().unwrap().len(), 2, "{said}");
     let quiet = tirtouch_in(place.path(), &["frames", "--measured", "none.csv", "--quiet", "--force"]);
     assert!(quiet.stderr.is_empty() && text(&quiet.stdout).contains("undefined: there is no contact"), "{quiet:?}");

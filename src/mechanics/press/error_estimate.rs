@@ -12,8 +12,10 @@ pub struct PressureError {
     pub force: f64,
 }
 
-/// Error of the finer mesh as a share of the difference of the two: 1 / (2^q - 1) with the order q = 2 of the pressure.
-const SHARE: f64 = 1.0 / 3.0;
+/// Error of the finer mesh as a share of the difference of the two, 1 / (2^q - 1): order q = 2 of the pressure away from the
+/// edge, and q = 1 of the force, in which the singular edge has its part.
+const PRESSURE_SHARE: f64 = 1.0 / 3.0;
+const FORCE_SHARE: f64 = 1.0;
 
 /// Presses again at the depths that were reached and books the errors.
 pub(super) fn estimate(pressed: &mut Pressed, observe: &mut dyn FnMut(f64) -> bool) -> Result<(), PressError> {
@@ -28,7 +30,7 @@ pub(super) fn estimate(pressed: &mut Pressed, observe: &mut dyn FnMut(f64) -> bo
     for (fine, coarse) in pressed.steps.iter_mut().zip(&coarse.steps) {
         let rms = difference(&pressed.setup, &fine.points, &coarse.points);
         let force = (fine.force_n - coarse.force_n).abs() / fine.force_n.abs().max(f64::MIN_POSITIVE);
-        fine.error = Some(PressureError { rms: SHARE * rms, force: SHARE * force });
+        fine.error = Some(PressureError { rms: PRESSURE_SHARE * rms, force: FORCE_SHARE * force });
     }
     Ok(())
 }

@@ -1,0 +1,63 @@
+//! `press`, and `run` on a scene with a press.
+
+use super::frames::names;
+use super::*;
+
+/// A phantom of the paper on a coarse mesh, with a small camera.
+fn scene(more: &str) -> String {
+    include_str!("../../scenes/phantom-size-8mm.toml")
+        .replace("pixels = [348, 261]", "pixels = [32, 24]")
+        .replace("pixel_pitch_um = 18.6 ", "pixel_pitch_um = 202.0 ")
+        .replace("depths_mm = [1.0, 2.0, 4.0]", &format!("depths_mm = [0.5, 1.0]\nresolution = 0.5\n{more}"))
+}
+
+#[test]
+fn a_press_writes_its_files_and_says_its_figures() {
+    let place = Place::new();
+    place.write("scene.toml", &scene(""));
+    let output = tirtouch_in(place.path(), &["press", "scene.toml", "-o", "with", "--json", "--quiet"]);
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let mechanics = &json(&output)["mechanics"];
+    for key in ["force_n", "peak_pressure_kpa", "iterations", "dofs", "seconds", "pressure_error", "force_error"] {
+        assert!(mechanics[key].as_f64().unwrap() > 0.0, "{key}: {mechanics}");
+    }
+    assert_eq!(mechanics["steps"].as_array().unwrap().len(), 2);
+    let files = names(&place.path().join("with"));
+    for name in ["contact.csv", "deformed.vtu", "mesh.svg", "pressure.svg", "report.html"] {
+        assert!(files.contains(&name.to_owned()), "{files:?}");
+    }
+    let table = std::fs::read_to_string(place.path().join("with/contact.csv")).unwrap();
+    assert!(table.starts_with("depth_mm,r_mm,pressure_kpa,shear_kpa,gap_mm,displacement_r_mm,displacement_z_mm\n"));
+    let without = ["press", "scene.toml", "-o", "without", "--json", "--quiet", "--without-inclusions"];
+    let without = json(&tirtouch_in(place.path(), &without));
+    let peak = |said: &serde_json::Value| said["peak_pressure_kpa"].as_f64().unwrap();
+    assert!(peak(mechanics) > 1.2 * peak(&without["mechanics"]), "the inclusion presses");
+}
+
+#[test]
+fn a_run_presses_first_and_subtracts_its_baseline() {
+    let place = Place::new();
+    place.write("scene.toml", &scene("estimate_error = false"));
+    let flags = ["run", "scene.toml", "--subtract-baseline", "--spp", "16", "--json", "--quiet", "--backend", "cpu"];
+    let output = tirtouch_in(place.path(), &flags);
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let said = json(&output);
+    assert!(said["mechanics"]["force_n"].as_f64().unwrap() > 0.0, "{said}");
+    assert_eq!(said["paper"]["reference"], "baseline.png");
+    assert_eq!(said["earlier_frames"][0]["depth_mm"], 0.5);
+    let files = names(&place.path().join("out/phantom-size-8mm"));
+    for name in ["baseline.png", "camera_0.5mm.png", "camera.png", "deformed.vtu", "contact.csv", "report.html"] {
+        assert!(files.contains(&name.to_owned()), "{files:?}");
+    }
+}
+
+#[test]
+fn a_press_of_nothing_is_refused() {
+    let place = Place::new();
+    for flags in [&["press", "preset:press-hertz"][..], &["render", "preset:press-hertz", "--without-inclusions"]] {
+        let output = tirtouch_in(place.path(), flags);
+        assert_eq!(code(&output), 2, "{flags:?}: {}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("[press]"), "{}", text(&output.stderr));
+    }
+    assert!(names(place.path()).is_empty(), "nothing is left behind");
+}
