@@ -39,7 +39,7 @@ pub enum PathError {
 }
 
 /// Shortest step as a share of the longest asked one.
-const SHORTEST: f64 = 1.0 / 256.0;
+const SHORTEST: f64 = 1.0 / 1024.0;
 /// Growth of the step after one that took few iterations, and after any other.
 const GROWTH: [f64; 2] = [2.0, 1.25];
 /// Least number of steps where faces rub: the path matters there.

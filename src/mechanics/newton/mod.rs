@@ -51,7 +51,7 @@ const FRICTION_ROUNDS: usize = 30;
 /// Largest change of the friction's bound between rounds, as a share of its largest.
 const FRICTION_TOLERANCE: f64 = 1e-5;
 /// Newton iterations without progress in a step before it is given up.
-const PATIENCE: usize = 3;
+const PATIENCE: usize = 5;
 /// Rise of the forces' residual above its least at which a step is given up, and the least that counts.
 const RISE: f64 = 10.0;
 const WORTH: f64 = 1e-2;
