@@ -34,10 +34,24 @@ fn start_camera_path(pixel: u32) {
     path.reflected = false;
 }
 
+// Through the lowest face. What it mirrors leaves for good: that share is taken off the weight, not met by chance.
+fn enter() -> bool {
+    if (ROUGH && face_kind(0u) != 0u) { return meet(0u, vec3f(0.0, 0.0, 1.0), 1.0); }
+    let a = path.p.z;
+    let n_sq = layer_n_sq(0u);
+    let dn_sq = face_dn_sq(0u);
+    let b_sq = dn_sq + a * a;
+    if (b_sq <= 0.0) { return false; }
+    let b = sqrt(b_sq);
+    path.weight = 1.0 - fresnel(a, b, n_sq, n_sq + dn_sq);
+    path.p.z = b;
+    return true;
+}
+
 fn camera_path(pixel: u32) -> f32 {
     start_camera_path(pixel);
     if (any(abs(path.o.xy) >= scene.half_size)) { return 0.0; }
-    if (!meet(0u, vec3f(0.0, 0.0, 1.0), 1.0)) { return 0.0; }
+    if (!enter()) { return 0.0; }
     path.layer = 1u;
     var light = 0.0;
     var end = GOES_ON;

@@ -62,25 +62,25 @@ fn splat(xy: vec2f, w: f32) {
     deposit(u32(at.y) * scene.image_size.x + u32(at.x), light);
 }
 
-// Deposits flux `w` (already times the albedo) that is about to leave the tissue near (x, y).
+// Splats flux `w` (already times the albedo) that is about to leave the tissue near (x, y).
 fn leave_tissue(from_xy: vec2f, w: f32) {
     var xy = from_xy;
     if (SPREADING) {
         xy = displace(xy);
         if (!inside(xy)) { return; }
     }
-    if (SPLATTED) { splat(xy, w); } else { deposit(2u * texel(xy), w); }
+    splat(xy, w);
 }
 
-// What the boundary sends back into the tissue leaves it later; without spreading the map does this sum in closed form.
+// What the boundary sends back into the tissue leaves it later; the map's reader sums this up by itself.
 fn tissue_reentry() {
-    if (SPLATTED || (MAPPED && SPREADING)) { leave_tissue(path.o.xy, path.weight * scene.tissue_albedo); }
+    if (SPLATTED) { leave_tissue(path.o.xy, path.weight * scene.tissue_albedo); }
 }
 
 fn photon_touch() -> u32 {
     let a = abs(dot(path.p, path.normal));
     let r = boundary(path.o.xy, a);
-    if (SPLATTED || (MAPPED && SPREADING)) {
+    if (SPLATTED) {
         if (r.x < 1.0) { leave_tissue(path.o.xy, path.weight * (1.0 - r.x) * scene.tissue_albedo); }
     } else if (MAPPED) {
         let at = 2u * texel(path.o.xy);

@@ -34,33 +34,53 @@ pub(super) fn load_scene(source: &Path) -> Result<(LoadedScene, PathBuf), Failur
     }
 }
 
-impl Job {
-    /// Loads a scene and all that it names, presses its phantom if it has one, and checks that the flags suit it. The job
-    /// is that of the last load.
-    pub fn load(source: &Path, common: &Common) -> Result<Self, Failure> {
+/// A scene and how it is wanted, before any work.
+pub(super) struct Order {
+    loaded: LoadedScene,
+    settings: Settings,
+    file: PathBuf,
+    wanted: Wanted,
+}
+
+impl Order {
+    /// Loads a scene, and checks that the flags suit it.
+    pub fn read(source: &Path, common: &Common) -> Result<Self, Failure> {
         let wanted = Wanted { without_inclusions: common.without_inclusions, coarse: false, quiet: common.talk.quiet };
-        Self::prepare(source, common, wanted)
+        Self::new(source, common, wanted)
     }
 
-    /// The same for a look at the scene: a press on a coarse mesh, without estimate of its error.
-    pub fn sketch(source: &Path) -> Result<Self, Failure> {
-        Self::prepare(source, &Common::default(), Wanted { coarse: true, quiet: true, ..Wanted::default() })
-    }
-
-    fn prepare(source: &Path, common: &Common, wanted: Wanted) -> Result<Self, Failure> {
+    fn new(source: &Path, common: &Common, wanted: Wanted) -> Result<Self, Failure> {
         let (loaded, file) = load_scene(source)?;
-        // Flags that do not suit the scene are told before the press.
         let settings = common.settings(&loaded.scene.render)?;
+        if wanted.without_inclusions && loaded.scene.press.is_none() {
+            let message = format!("{}: --without-inclusions needs a scene with a [press]", file.display());
+            return Err(Failure::usage(message).in_file(&file));
+        }
+        Ok(Self { loaded, settings, file, wanted })
+    }
+
+    /// Name of the scene.
+    pub fn name(&self) -> &str {
+        &self.loaded.scene.name
+    }
+
+    /// Presses the scene's phantom, if it has one. The job is that of the last load.
+    pub fn prepare(self) -> Result<Job, Failure> {
+        let Self { loaded, settings, file, wanted } = self;
         let press = match loaded.scene.press {
             Some(_) => Some(Rc::new(press_scene(&loaded, &file, wanted).map_err(|stopped| stopped.failure)?)),
-            None if wanted.without_inclusions => {
-                let message = format!("{}: --without-inclusions needs a scene with a [press]", file.display());
-                return Err(Failure::usage(message).in_file(&file));
-            }
             None => None,
         };
         let press = press.and_then(|pressed| Some((pressed.clone(), pressed.steps.len().checked_sub(1)?)));
-        Self::build(loaded, press, settings, file)
+        Job::build(loaded, press, settings, file)
+    }
+}
+
+impl Job {
+    /// A look at a scene: a press on a coarse mesh, without estimate of its error.
+    pub fn sketch(source: &Path) -> Result<Self, Failure> {
+        let wanted = Wanted { coarse: true, quiet: true, ..Wanted::default() };
+        Order::new(source, &Common::default(), wanted)?.prepare()
     }
 
     /// The job at another load of its press.

@@ -1,7 +1,7 @@
 //! `render`: the light of a scene, as radiance and as the camera sees it.
 
 use super::facts::{columns, facts, ledger};
-use super::job::Job;
+use super::job::Order;
 use super::shot::Shot;
 use super::{Common, Failure, Outcome, OutputFolder, print};
 use clap::Args;
@@ -20,8 +20,9 @@ pub(super) struct Render {
 impl Render {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let common = &self.common;
-        let job = Job::load(&self.scene, common)?;
-        let folder = OutputFolder::create(&common.destination(&job.scene().name), common.force)?;
+        let order = Order::read(&self.scene, common)?;
+        let folder = OutputFolder::create(&common.destination(order.name()), common.force)?;
+        let job = order.prepare()?;
         let shot = Shot::take(&job, common.talk.quiet)?;
         shot.write(&folder)?;
         let out = folder.commit()?.display().to_string();

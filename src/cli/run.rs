@@ -1,7 +1,7 @@
 //! `run`: from a scene to estimates and a report.
 
 use super::facts::{columns, facts, figure, interval, ledger};
-use super::job::Job;
+use super::job::{Job, Order};
 use super::measure::{Figures, Reading};
 use super::page::report;
 use super::press_files::write_press;
@@ -26,8 +26,9 @@ pub(super) struct Run {
 
 impl Run {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let job = Job::load(&self.scene, &self.common)?;
-        let folder = OutputFolder::create(&self.common.destination(&job.scene().name), self.common.force)?;
+        let order = Order::read(&self.scene, &self.common)?;
+        let folder = OutputFolder::create(&self.common.destination(order.name()), self.common.force)?;
+        let job = order.prepare()?;
         whole_job(&job, &self.reading, &self.common, Loads::All, folder).map(|_| Outcome::Done)
     }
 }

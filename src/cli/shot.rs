@@ -7,6 +7,7 @@ use crate::camera::{Frame, expose};
 use crate::image_io::{Provenance, write_png_grey, write_radiance};
 use crate::report::{ColorScale, Raster, false_color, relief};
 use crate::trace::Outcome;
+use crate::trace::exitance::Smoothing;
 use serde_json::{Map, Value, json};
 
 /// Unit of radiance, as written in files.
@@ -150,6 +151,7 @@ impl<'a> Shot<'a> {
             "replicates": outcome.film.replicates,
             "paths": outcome.paths,
             "photons": outcome.photons,
+            "map": outcome.smoothing.map_or_else(|| json!({"undefined": "no map"}), |smoothing| self.map_json(smoothing)),
             "segments": outcome.segments,
             "setup_seconds": outcome.setup_seconds,
             "seconds": outcome.seconds,
@@ -165,6 +167,15 @@ impl<'a> Shot<'a> {
             Value::Object(map) => map,
             _ => Map::new(),
         }
+    }
+
+    fn map_json(&self, smoothing: Smoothing) -> Value {
+        let texel_mm = self.job.scene().render.map_texel_mm;
+        json!({
+            "texel_mm": texel_mm,
+            "smoothing_mm": smoothing.widths.map(|width| width as f64 * texel_mm),
+            "relative_bias": smoothing.bias,
+        })
     }
 
     fn camera_json(&self) -> Value {

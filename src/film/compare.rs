@@ -196,7 +196,8 @@ impl<'a> Side<'a> {
             1 => (&self.film.mean, &self.film.variance),
             edge => {
                 let fits = |block: &&BlockLevel| {
-                    block.edge == edge && block.mean.len() == super::blocks::cells(&self.film, edge)
+                    block.edge == edge
+                        && block.mean.len() == super::blocks::cells(self.film.width, self.film.height, edge)
                 };
                 let block = self.film.blocks.iter().find(fits);
                 let block = block.ok_or(CompareError::Shape { film: self.name })?;

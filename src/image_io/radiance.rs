@@ -6,6 +6,7 @@
 use super::exr_chunks::with_exr;
 use super::exr_header::PROVENANCE;
 use super::{ImageError, limits};
+use crate::film::blocks::cells;
 use crate::film::{Film, Inflation};
 use exr::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -41,7 +42,7 @@ pub struct Provenance {
     pub inflation: Vec<Inflation>,
 }
 
-/// Writes `film` as an EXR. Its blocks are kept as one inflation factor per level.
+/// Writes `film` as an EXR. Of each block an inflation factor is kept.
 ///
 /// # Errors
 /// When the film has no pixels, arrays that do not fit its size, or the file cannot be written.
@@ -111,6 +112,12 @@ pub fn read_radiance(path: &Path) -> std::result::Result<(Film, Option<Provenanc
         };
         if provenance.inflation.iter().any(|entry| !(entry.factor.is_finite() && entry.factor >= 1.0)) {
             return Err(damaged("an inflation factor is below 1"));
+        }
+        let fits = |entry: &Inflation| {
+            entry.blocks.is_empty() || entry.blocks.len() == cells(film.width, film.height, entry.edge)
+        };
+        if !provenance.inflation.iter().all(fits) {
+            return Err(damaged("the inflation of its blocks is not of their number"));
         }
         let film = Film { replicates: provenance.replicates, ..film }.with_blocks(&provenance.inflation);
         Ok((film, Some(provenance)))

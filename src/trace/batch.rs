@@ -2,6 +2,7 @@
 
 use super::backend::{Backend, CameraMode, PhotonMode, TraceError};
 use super::cpu::{UNIT, book, camera::FILM_UNIT, photons::DEPOSIT_UNIT, random::pcg3d};
+use super::exitance::{ContactLight, Smoothing, TouchedFace};
 use super::model::Model;
 use super::plan::Method;
 use crate::film::Ledger;
@@ -103,23 +104,46 @@ pub struct Batch<'a> {
 impl Batch<'_> {
     /// Computes replicate `index`: radiance in W/(m^2 sr), row-major.
     pub fn replicate(&mut self, index: u32, work: Work, observe: &mut Observer) -> Result<Vec<f64>, TraceError> {
-        let unit = self.model.unit_radiance * self.model.surround_n * self.model.surround_n;
         match self.method {
-            Method::Path => self.camera(CameraMode::Path, index, work.spp, unit, observe),
+            Method::Path => self.camera(CameraMode::Path, index, work.spp, observe),
             Method::Map => {
-                let (deposits, sent) = self.photons(PhotonMode::Map, index, work.photons, observe)?;
-                let texels = exitance(self.model, &deposits, sent);
-                self.backend.set_exitance(&texels)?;
-                self.camera(CameraMode::Mapped, index, work.spp, unit, observe)
+                let face = TouchedFace::new(self.model);
+                let light = self.contact_light(index, work, &face, observe)?;
+                let texels = face.texels(&[light], Smoothing::default()).pop().unwrap_or_default();
+                self.mapped(index, work, &texels, observe)
             }
             Method::Splat => {
                 let (deposits, sent) = self.photons(PhotonMode::Splat, index, work.photons, observe)?;
-                let mut image = self.camera(CameraMode::Complement, index, work.spp, unit, observe)?;
+                let mut image = self.camera(CameraMode::Complement, index, work.spp, observe)?;
                 let each = self.model.power * self.model.unit_radiance / sent as f64 / DEPOSIT_UNIT;
                 image.iter_mut().zip(deposits).for_each(|(v, d)| *v += d as f64 * each);
                 Ok(image)
             }
         }
+    }
+
+    /// Light that the photons of replicate `index` leave at the touched face.
+    pub fn contact_light(
+        &mut self,
+        index: u32,
+        work: Work,
+        face: &TouchedFace,
+        observe: &mut Observer,
+    ) -> Result<ContactLight, TraceError> {
+        let (deposits, sent) = self.photons(PhotonMode::Map, index, work.photons, observe)?;
+        Ok(face.light(&deposits, sent))
+    }
+
+    /// Replicate `index` of the image, from a map: radiance in W/(m^2 sr), row-major.
+    pub fn mapped(
+        &mut self,
+        index: u32,
+        work: Work,
+        texels: &[[f64; 4]],
+        observe: &mut Observer,
+    ) -> Result<Vec<f64>, TraceError> {
+        self.backend.set_exitance(texels)?;
+        self.camera(CameraMode::Mapped, index, work.spp, observe)
     }
 
     /// Sends photons for the ledger alone.
@@ -132,7 +156,6 @@ impl Batch<'_> {
         mode: CameraMode,
         index: u32,
         spp: u32,
-        unit: f64,
         observe: &mut Observer,
     ) -> Result<Vec<f64>, TraceError> {
         let pixels = self.model.camera.size[0] * self.model.camera.size[1];
@@ -161,6 +184,7 @@ impl Batch<'_> {
         let (sums, segments) = self.backend.read_film()?;
         self.totals.paths += u64::from(pixels) * u64::from(spp);
         self.totals.segments += segments;
+        let unit = self.model.unit_radiance * self.model.surround_n * self.model.surround_n;
         let each = unit / f64::from(spp) / FILM_UNIT;
         Ok(sums.into_iter().map(|s| s as f64 * each).collect())
     }
@@ -202,41 +226,4 @@ impl Batch<'_> {
 /// Seed of a replicate's stream.
 fn stream(seed: u32, replicate: u32, which: u32) -> u32 {
     pcg3d([seed, replicate, which])[0]
-}
-
-/// Deposits as fluxes in film units (times mm^2) beside the tissue's area in each texel, mm^2.
-fn exitance(model: &Model<f64>, deposits: &[u64], sent: u64) -> Vec<[f64; 4]> {
-    let [columns, rows] = model.map_size;
-    let size = [2.0 * model.half_size[0] / columns as f64, 2.0 * model.half_size[1] / rows as f64];
-    let each = model.power / sent as f64 / DEPOSIT_UNIT;
-    (0..columns * rows)
-        .map(|k| {
-            let low = [
-                (k % columns) as f64 * size[0] - model.half_size[0],
-                (k / columns) as f64 * size[1] - model.half_size[1],
-            ];
-            let area = size[0] * size[1] * tissue_share(model, low, size);
-            [deposits[2 * k] as f64 * each, area, deposits[2 * k + 1] as f64 * each, area]
-        })
-        .collect()
-}
-
-/// Share of a texel that lies under tissue, by 16 x 16 points where the tissue's rim may cross it.
-fn tissue_share(model: &Model<f64>, low: [f64; 2], size: [f64; 2]) -> f64 {
-    let Some(tissue) = &model.tissue else {
-        return 0.0;
-    };
-    let inside = |fx: f64, fy: f64| {
-        let (dx, dy) = (low[0] + fx * size[0] - tissue.center[0], low[1] + fy * size[1] - tissue.center[1]);
-        dx * dx + dy * dy <= tissue.radius_sq
-    };
-    let middle = [low[0] + 0.5 * size[0] - tissue.center[0], low[1] + 0.5 * size[1] - tissue.center[1]];
-    let distance = (middle[0].hypot(middle[1]) - tissue.radius_sq.sqrt()).abs();
-    if distance > 0.5 * size[0].hypot(size[1]) {
-        return f64::from(u8::from(inside(0.5, 0.5)));
-    }
-    let steps = 16;
-    let at = |k: usize| (k as f64 + 0.5) / steps as f64;
-    let hits = (0..steps * steps).filter(|k| inside(at(k % steps), at(k / steps))).count();
-    hits as f64 / (steps * steps) as f64
 }

@@ -7,6 +7,7 @@
 pub mod backend;
 pub mod batch;
 pub mod cpu;
+pub mod exitance;
 pub mod gpu;
 pub mod kernel;
 pub mod leds;
@@ -16,6 +17,7 @@ pub mod rays;
 pub mod real;
 pub mod render;
 mod scene_model;
+mod spread;
 
 pub use backend::{Backend, BackendChoice, Precision, TraceError};
 pub use kernel::Kernel;

@@ -1,10 +1,11 @@
 //! From a model to a film with its error, its ledger and what it cost.
 
 use super::backend::{Backend, BackendChoice, Precision, TraceError};
-use super::batch::{Batch, Pacer, Totals, Work};
+use super::batch::{Batch, Observer, Pacer, Totals, Work};
+use super::exitance::{Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;
-use super::plan::Plan;
+use super::plan::{Method, Plan};
 use crate::film::{BlockAccumulator, Film, Ledger};
 use crate::scene::{self, Integrator};
 use std::time::Instant;
@@ -15,6 +16,8 @@ pub const REPLICATES: u32 = 16;
 const REPLICATE_PATHS: u32 = 1 << 15;
 /// Photons of the ledger where the method sends none of its own.
 const LEDGER_PHOTONS: u64 = 1 << 20;
+/// Share of the photons in the time of a replicate, for the progress alone.
+const PHOTON_SHARE: f64 = 0.5;
 /// Largest share of photons that may get lost.
 const LOST_TOLERANCE: f64 = 1e-6;
 /// Largest share of the light that may be cut off by the cap on interactions.
@@ -85,6 +88,8 @@ pub struct Outcome {
     pub paths: u64,
     /// Photons.
     pub photons: u64,
+    /// How the photons' maps were smoothed, where there are any.
+    pub smoothing: Option<Smoothing>,
     /// Segments of both, without those of a ledger traced on its own.
     pub segments: u64,
     /// Camera paths per pixel.
@@ -139,19 +144,30 @@ pub fn render(
         work = Work { spp: scale as u32, photons: (pilot.photons as f64 * scale) as u64 };
     }
     let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
-    let needs_ledger = batch.method == super::plan::Method::Path;
+    let needs_ledger = batch.method == Method::Path;
+    let mut gather = match batch.method {
+        Method::Map => Some(Gather::collect(&mut batch, work, &mut |done| {
+            observe(Stage { done: PHOTON_SHARE * done, what: "photons" })
+        })?),
+        Method::Path | Method::Splat => None,
+    };
+    let before = if gather.is_some() { PHOTON_SHARE } else { 0.0 };
     let limit = settings.target_error.map_or(replicates, |_| 1 << 16);
     let mut index = 0;
     let mut longest = 0.0f64;
     loop {
         let timer = Instant::now();
-        let replicate = batch.replicate(index, work, &mut |part, what| {
+        let mut observe = |part: f64, what| {
             let done = match settings.seconds {
                 Some(budget) => start.elapsed().as_secs_f64() / budget,
-                None => (f64::from(index) + part) / f64::from(replicates.max(index + 1)),
+                None => before + (1.0 - before) * (f64::from(index) + part) / f64::from(replicates.max(index + 1)),
             };
             observe(Stage { done: done.min(1.0), what })
-        })?;
+        };
+        let replicate = match &mut gather {
+            Some(gather) => gather.replicate(&mut batch, index, work, &mut observe)?,
+            None => batch.replicate(index, work, &mut observe)?,
+        };
         sum.add(&replicate).map_err(|e| TraceError::Driver(e.to_string()))?;
         index += 1;
         longest = longest.max(timer.elapsed().as_secs_f64());
@@ -190,11 +206,51 @@ pub fn render(
         notice,
         paths: totals.paths,
         photons: totals.photons,
+        smoothing: gather.map(|gather| gather.smoothing),
         segments,
         spp: totals.paths / pixels,
         seconds,
         setup_seconds,
     })
+}
+
+/// The maps of the first replicates, and how all are smoothed.
+struct Gather {
+    face: TouchedFace,
+    texels: std::vec::IntoIter<Vec<[f64; 4]>>,
+    smoothing: Smoothing,
+}
+
+impl Gather {
+    /// Sends the photons of the first replicates and chooses the smoothing from what they leave.
+    fn collect(batch: &mut Batch, work: Work, observe: &mut dyn FnMut(f64) -> bool) -> Result<Self, TraceError> {
+        let face = TouchedFace::new(batch.model);
+        let maps = (0..REPLICATES)
+            .map(|index| {
+                let mut observe = |part, _: &str| observe((f64::from(index) + part) / f64::from(REPLICATES));
+                batch.contact_light(index, work, &face, &mut observe)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let smoothing = face.choose(&maps);
+        Ok(Self { texels: face.texels(&maps, smoothing).into_iter(), face, smoothing })
+    }
+
+    fn replicate(
+        &mut self,
+        batch: &mut Batch,
+        index: u32,
+        work: Work,
+        observe: &mut Observer,
+    ) -> Result<Vec<f64>, TraceError> {
+        let texels = match self.texels.next() {
+            Some(texels) => texels,
+            None => {
+                let light = batch.contact_light(index, work, &self.face, observe)?;
+                self.face.texels(&[light], self.smoothing).pop().unwrap_or_default()
+            }
+        };
+        batch.mapped(index, work, &texels, observe)
+    }
 }
 
 fn photons(settings: &Settings, model: &Model<f64>, spp: u32) -> u64 {

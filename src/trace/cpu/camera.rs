@@ -1,5 +1,6 @@
 //! Twin of `camera.wgsl`: camera paths.
 
+use super::fresnel::fresnel;
 use super::vec3::v3;
 use super::{End, Limits, Path, V3, book};
 use crate::trace::model::{Model, Real};
@@ -49,7 +50,7 @@ impl<T: Real> Path<'_, T> {
         if self.o.x.abs() >= half_x || self.o.y.abs() >= half_y {
             return T::zero();
         }
-        if !self.meet(0, V3::up(), T::one()) {
+        if !self.enter() {
             return T::zero();
         }
         self.layer = 1;
@@ -66,6 +67,24 @@ impl<T: Real> Path<'_, T> {
         };
         self.record(1000 + end as u32, T::one());
         light + self.weight * self.light_at_end(end)
+    }
+
+    /// Through the lowest face; what it mirrors is taken off the weight.
+    fn enter(&mut self) -> bool {
+        let face = self.model.faces[0];
+        if face.kind != 0 {
+            return self.meet(0, V3::up(), T::one());
+        }
+        let a = self.p.z;
+        let n_sq = self.model.layers[0].n_sq;
+        let b_sq = face.dn_sq + a * a;
+        if b_sq <= T::zero() {
+            return false;
+        }
+        let b = b_sq.sqrt();
+        self.weight = T::one() - fresnel(a, b, n_sq, n_sq + face.dn_sq);
+        self.p.z = b;
+        true
     }
 
     fn start_camera_path(&mut self, pixel: u32) {

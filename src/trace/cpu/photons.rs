@@ -163,9 +163,6 @@ impl<T: Real> Path<'_, T> {
     }
 
     fn leave_tissue(&mut self, x: T, y: T, w: T) {
-        let Some(deposits) = self.deposits else {
-            return;
-        };
         let (mut x, mut y) = (x, y);
         if self.kernel.spreading {
             (x, y) = self.displace(x, y);
@@ -173,16 +170,12 @@ impl<T: Real> Path<'_, T> {
                 return;
             }
         }
-        if deposits.splatted {
-            self.splat(x, y, w);
-        } else {
-            self.deposit(2 * self.texel(x, y), w);
-        }
+        self.splat(x, y, w);
     }
 
     pub(super) fn tissue_reentry(&mut self) {
-        let apart = self.deposits.is_some_and(|d| d.splatted || self.kernel.spreading);
-        if let (true, Some(t)) = (apart, self.model.tissue.as_ref()) {
+        let splatted = self.deposits.is_some_and(|d| d.splatted);
+        if let (true, Some(t)) = (splatted, self.model.tissue.as_ref()) {
             self.leave_tissue(self.o.x, self.o.y, self.weight * t.albedo);
         }
     }
@@ -194,7 +187,7 @@ impl<T: Real> Path<'_, T> {
         let r = self.boundary(self.o.x, self.o.y, a);
         let albedo = self.model.tissue.as_ref().map_or(T::zero(), |t| t.albedo);
         if let Some(deposits) = self.deposits {
-            if deposits.splatted || self.kernel.spreading {
+            if deposits.splatted {
                 if r.mixed < one {
                     self.leave_tissue(self.o.x, self.o.y, self.weight * (one - r.mixed) * albedo);
                 }

@@ -1,0 +1,336 @@
+//! The map of light that photons leave at the touched face, and its smoothing.
+//!
+//! A texel of a few photons is noisy; the light on the face is smooth. So each map is smoothed by a kernel whose bias is
+//! small against its noise, both measured on the maps of the replicates (in the manner of Lepski 1991, Theory Probab. Appl.
+//! 35, 454). The kernel is three boxes in each direction, S, used as 2 S - S S: the twiced kernel has no second moment, so
+//! where the light varies smoothly its bias falls with the fourth power of the width (Stuetzle and Mittal 1979). Both keep
+//! to the tissue's area.
+
+use super::cpu::photons::DEPOSIT_UNIT;
+use super::cpu::{Limits, Path};
+use super::model::Model;
+use super::spread::Spread;
+use rayon::prelude::*;
+
+/// Widths of the boxes on trial, texels, each beside one about twice as wide.
+const WIDTHS: [[usize; 2]; 7] = [[1, 3], [3, 7], [5, 9], [7, 13], [9, 19], [13, 27], [19, 39]];
+/// Groups of replicates that the measure of the bias tells apart.
+const GROUPS: usize = 8;
+
+/// Light per area that meets the touched face in a replicate: what would enter the tissue through true contact, and through
+/// the gap, in film units.
+#[derive(Debug, Clone)]
+pub struct ContactLight {
+    light: [Vec<f64>; 2],
+}
+
+/// The touched face, cut into texels.
+pub struct TouchedFace {
+    columns: usize,
+    /// Power of the LEDs over that of a unit of deposit.
+    unit: f64,
+    /// Area under tissue of each texel, mm^2.
+    area: Vec<f64>,
+    spread: Option<SpreadFace>,
+}
+
+/// Where light spreads sideways.
+struct SpreadFace {
+    spread: Spread,
+    /// Mean share of true contact of each texel.
+    share: Vec<f64>,
+    texel_area: f64,
+}
+
+/// How the maps of a render are smoothed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Smoothing {
+    /// Width of the boxes for each of the two maps, texels; 1: not smoothed.
+    pub widths: [usize; 2],
+    /// Root-mean-square bias over the root-mean-square light of each, as measured; 0 where it is not told from noise.
+    pub bias: [f64; 2],
+}
+
+impl Default for Smoothing {
+    fn default() -> Self {
+        Self { widths: [1, 1], bias: [0.0; 2] }
+    }
+}
+
+impl TouchedFace {
+    /// Cuts the touched face of a model into the texels of its map.
+    pub fn new(model: &Model<f64>) -> Self {
+        let [columns, rows] = model.map_size;
+        let size = [0, 1].map(|axis| 2.0 * model.half_size[axis] / model.map_size[axis] as f64);
+        let corner = |k: usize, axis: usize| k as f64 * size[axis] - model.half_size[axis];
+        let low = |k: usize| [corner(k % columns, 0), corner(k / columns, 1)];
+        let texel_area = size[0] * size[1];
+        let area: Vec<f64> = (0..columns * rows).map(|k| texel_area * tissue_share(model, low(k), size)).collect();
+        let spread = model.tissue.as_ref().filter(|tissue| tissue.spread_d > 0.0).map(|tissue| {
+            let share: Vec<f64> = (0..columns * rows).map(|k| contact_share(model, low(k), size)).collect();
+            let mirrored = |(share, area): (&f64, &f64)| {
+                (tissue.reentry_gap + share * (tissue.reentry_contact - tissue.reentry_gap)) * area / texel_area
+            };
+            let reentry = share.iter().zip(&area).map(mirrored).collect();
+            let spread = Spread::new(columns, size, tissue.spread_d, tissue.albedo, reentry);
+            SpreadFace { spread, share, texel_area }
+        });
+        Self { columns, unit: model.power / DEPOSIT_UNIT, area, spread }
+    }
+
+    /// Turns deposits of `sent` photons into light per area.
+    pub fn light(&self, deposits: &[u64], sent: u64) -> ContactLight {
+        let each = self.unit / sent as f64;
+        let light = [0, 1].map(|which| {
+            let fluxes = deposits.iter().skip(which).step_by(2);
+            fluxes.zip(&self.area).map(|(&flux, &a)| if a > 0.0 { flux as f64 * each / a } else { 0.0 }).collect()
+        });
+        ContactLight { light }
+    }
+
+    /// What camera paths read, for each replicate: light times area beside the area, for true contact and for the gap; or,
+    /// where light spreads, the exitance in place of the first.
+    pub fn texels(&self, maps: &[ContactLight], smoothing: Smoothing) -> Vec<Vec<[f64; 4]>> {
+        let smooth = |map: &ContactLight| {
+            [0, 1].map(|which| {
+                let mut light = twiced(&map.light[which], &self.area, self.columns, smoothing.widths[which]);
+                // The kernel has a negative rim.
+                light.iter_mut().for_each(|v| *v = v.max(0.0));
+                light
+            })
+        };
+        let Some(SpreadFace { spread, share, texel_area }) = &self.spread else {
+            let texels = |[contact, gap]: [Vec<f64>; 2]| {
+                contact.iter().zip(&gap).zip(&self.area).map(|((c, g), &a)| [c * a, a, g * a, a]).collect()
+            };
+            return maps.par_iter().map(|map| texels(smooth(map))).collect();
+        };
+        let entering = |map: &ContactLight| -> Vec<f64> {
+            let [contact, gap] = smooth(map);
+            let mixed = contact.iter().zip(&gap).zip(share).map(|((c, g), share)| g + share * (c - g));
+            mixed.zip(&self.area).map(|(light, area)| light * area).collect()
+        };
+        let texels = |flux: Vec<f64>| -> Vec<[f64; 4]> {
+            flux.iter().zip(&self.area).map(|(flux, &area)| [flux / texel_area * area, area, 0.0, 0.0]).collect()
+        };
+        let pair = |pair: &[ContactLight]| -> Vec<Vec<[f64; 4]>> {
+            let flux: Vec<Vec<f64>> = pair.iter().map(entering).collect();
+            let (Some(first), Some(last)) = (flux.first(), flux.last()) else { return Vec::new() };
+            let [one, other] = spread.exitance([first, last]);
+            [one, other].into_iter().take(pair.len()).map(texels).collect()
+        };
+        maps.par_chunks(2).flat_map_iter(pair).collect()
+    }
+
+    /// Chooses the smoothing from the maps of independent replicates.
+    pub fn choose(&self, maps: &[ContactLight]) -> Smoothing {
+        let groups = GROUPS.min(maps.len());
+        let mut chosen = Smoothing::default();
+        if groups < 2 {
+            return chosen;
+        }
+        for which in 0..2 {
+            let group = |k: usize| mean(maps.iter().skip(k).step_by(groups).map(|map| map.light[which].as_slice()));
+            let parts: Vec<Vec<f64>> = (0..groups).map(group).collect();
+            (chosen.widths[which], chosen.bias[which]) = width(&parts, &self.area, self.columns);
+        }
+        chosen
+    }
+}
+
+/// Width of the boxes that `parts`, independent estimates of the light e, bear, and its bias.
+///
+/// T_w e - T_v e is what a width w of about 2 v adds to the bias of v. Its square is measured by products of different
+/// parts, which have no noise in common. While it is below twice the variance of T_w (the measure is noisy itself), the
+/// narrower of the two is taken: its bias is at least four times smaller and its noise twice as large, so that the bias stays
+/// below a fifth of the noise.
+fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
+    let count = parts.len() as f64;
+    let square = |a: &[f64]| a.iter().zip(area).map(|(a, w)| a * a * w).sum::<f64>();
+    // Square of what the parts have in common, and of their noise in the mean of all.
+    let split = |parts: &[Vec<f64>]| {
+        let own = parts.iter().map(|part| square(part)).sum::<f64>() / count;
+        let whole = square(&mean(parts.iter().map(Vec::as_slice)));
+        ((count * whole - own) / (count - 1.0), (own - whole) / (count - 1.0))
+    };
+    let (light, _) = split(parts);
+    let smooth = |width| -> Vec<Vec<f64>> { parts.par_iter().map(|part| twiced(part, area, columns, width)).collect() };
+    let mut chosen = (1, 0.0);
+    for [width, double] in WIDTHS {
+        let (narrow, wide) = (smooth(width), smooth(double));
+        let added: Vec<Vec<f64>> =
+            wide.iter().zip(&narrow).map(|(w, n)| w.iter().zip(n).map(|(w, n)| w - n).collect()).collect();
+        let (bias, _) = split(&added);
+        if light <= 0.0 || bias > 2.0 * split(&wide).1 {
+            break;
+        }
+        chosen = (width, (bias.max(0.0) / light).sqrt() / 4.0);
+    }
+    chosen
+}
+
+fn mean<'a>(lists: impl Iterator<Item = &'a [f64]>) -> Vec<f64> {
+    let mut sum: Vec<f64> = Vec::new();
+    let mut count = 0.0;
+    for list in lists {
+        sum.resize(list.len(), 0.0);
+        sum.iter_mut().zip(list).for_each(|(sum, v)| *sum += v);
+        count += 1.0;
+    }
+    sum.iter_mut().for_each(|v| *v /= count);
+    sum
+}
+
+/// 2 S - S S of a density.
+fn twiced(light: &[f64], area: &[f64], columns: usize, width: usize) -> Vec<f64> {
+    if width <= 1 {
+        return light.to_vec();
+    }
+    let weight = boxes(area.to_vec(), columns, width);
+    let smooth = |light: &[f64]| -> Vec<f64> {
+        let flux = light.iter().zip(area).map(|(light, area)| light * area).collect();
+        let over = |(flux, weight): (f64, &f64)| if *weight > 0.0 { flux / weight } else { 0.0 };
+        boxes(flux, columns, width).into_iter().zip(&weight).map(over).collect()
+    };
+    let once = smooth(light);
+    let twice = smooth(&once);
+    once.iter().zip(twice).map(|(once, twice)| 2.0 * once - twice).collect()
+}
+
+/// Three boxes along each axis; beyond the edges there is nothing.
+fn boxes(mut field: Vec<f64>, columns: usize, width: usize) -> Vec<f64> {
+    for _ in 0..3 {
+        field = across(&field, columns, width);
+        field = transposed(&across(&transposed(&field, columns), field.len() / columns, width), field.len() / columns);
+    }
+    field
+}
+
+/// Means of `width` neighbours in each row.
+fn across(field: &[f64], columns: usize, width: usize) -> Vec<f64> {
+    let half = width / 2;
+    let mut out = Vec::with_capacity(field.len());
+    for row in field.chunks(columns) {
+        let mut sums = Vec::with_capacity(columns + 1);
+        sums.push(0.0);
+        let mut sum = 0.0;
+        for v in row {
+            sum += v;
+            sums.push(sum);
+        }
+        out.extend((0..columns).map(|k| {
+            let (low, high) = (k.saturating_sub(half), (k + half + 1).min(columns));
+            (sums[high] - sums[low]) / width as f64
+        }));
+    }
+    out
+}
+
+fn transposed(field: &[f64], columns: usize) -> Vec<f64> {
+    let rows = field.len() / columns;
+    (0..field.len()).map(|k| field[(k % rows) * columns + k / rows]).collect()
+}
+
+/// Mean share of true contact of a texel, over 4 x 4 points.
+fn contact_share(model: &Model<f64>, low: [f64; 2], size: [f64; 2]) -> f64 {
+    let path = Path::new(model, Limits::default());
+    let at = |k: usize, axis: usize| low[axis] + (k as f64 + 0.5) / 4.0 * size[axis];
+    (0..16).map(|k| path.contact_share(at(k % 4, 0), at(k / 4, 1))).sum::<f64>() / 16.0
+}
+
+/// Share of a texel that lies under tissue, by 16 x 16 points where the tissue's rim may cross it.
+fn tissue_share(model: &Model<f64>, low: [f64; 2], size: [f64; 2]) -> f64 {
+    let Some(tissue) = &model.tissue else {
+        return 0.0;
+    };
+    let inside = |fx: f64, fy: f64| {
+        let (dx, dy) = (low[0] + fx * size[0] - tissue.center[0], low[1] + fy * size[1] - tissue.center[1]);
+        dx * dx + dy * dy <= tissue.radius_sq
+    };
+    let middle = [low[0] + 0.5 * size[0] - tissue.center[0], low[1] + 0.5 * size[1] - tissue.center[1]];
+    let distance = (middle[0].hypot(middle[1]) - tissue.radius_sq.sqrt()).abs();
+    if distance > 0.5 * size[0].hypot(size[1]) {
+        return f64::from(u8::from(inside(0.5, 0.5)));
+    }
+    let steps = 16;
+    let at = |k: usize| (k as f64 + 0.5) / steps as f64;
+    let hits = (0..steps * steps).filter(|k| inside(at(k % steps), at(k / steps))).count();
+    hits as f64 / (steps * steps) as f64
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const COLUMNS: usize = 64;
+
+    /// Independent estimates of `light`, each of `photons` a texel on average (normal noise of Poisson's variance).
+    fn parts(light: impl Fn(f64, f64) -> f64, photons: f64) -> Vec<Vec<f64>> {
+        let mut state = 0x2545_f491_4f6c_dd1d_u64;
+        let mut uniform = move || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut normal = move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        let at = |k: usize| light((k % COLUMNS) as f64 / COLUMNS as f64, (k / COLUMNS) as f64 / COLUMNS as f64);
+        (0..GROUPS)
+            .map(|_| (0..COLUMNS * COLUMNS).map(|k| at(k) + normal() * (at(k) / photons).sqrt()).collect())
+            .collect()
+    }
+
+    fn error(found: &[f64], light: impl Fn(f64, f64) -> f64) -> f64 {
+        let at = |k: usize| light((k % COLUMNS) as f64 / COLUMNS as f64, (k / COLUMNS) as f64 / COLUMNS as f64);
+        let sum: f64 = found.iter().enumerate().map(|(k, v)| (v / at(k) - 1.0).powi(2)).sum();
+        (sum / found.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn smooth_light_is_smoothed_widely_and_an_edge_is_not() {
+        let area = vec![1.0; COLUMNS * COLUMNS];
+        let bump = |x: f64, y: f64| 2.0 + (3.0 * x).sin() * (2.0 * y).cos();
+        let noisy = parts(bump, 20.0);
+        let (wide, bias) = width(&noisy, &area, COLUMNS);
+        let raw = error(&noisy[0], bump);
+        let smooth = error(&twiced(&noisy[0], &area, COLUMNS, wide), bump);
+        assert!(wide >= 9 && bias < 0.01, "{wide} {bias}");
+        assert!(smooth < 0.1 * raw, "{smooth} {raw}");
+        // The same noise about an edge: the kernel stays at the texel where photons abound.
+        let edge = |x: f64, _: f64| if x < 0.5 { 1.0 } else { 2.0 };
+        assert_eq!(width(&parts(edge, 2e4), &area, COLUMNS).0, 1);
+    }
+
+    /// The twiced kernel keeps what is linear where the area is whole, and what is even everywhere.
+    #[test]
+    fn the_kernel_keeps_even_light_up_to_the_edges_and_slopes_within() {
+        let mut area = vec![1.0; COLUMNS * COLUMNS];
+        area.iter_mut().take(700).for_each(|a| *a = 0.0);
+        let even = twiced(&vec![3.0; area.len()], &area, COLUMNS, 9);
+        assert!(even.iter().zip(&area).all(|(v, a)| *a == 0.0 || (v - 3.0).abs() < 1e-12));
+        let slope: Vec<f64> = (0..area.len()).map(|k| (k % COLUMNS) as f64).collect();
+        let kept = twiced(&slope, &area, COLUMNS, 5);
+        let middle = 40 * COLUMNS + 32;
+        assert!((kept[middle] - 32.0).abs() < 1e-12);
+        let parabola: Vec<f64> = slope.iter().map(|x| x * x).collect();
+        assert!((twiced(&parabola, &area, COLUMNS, 5)[middle] - 1024.0).abs() < 1e-9, "no second moment");
+    }
+
+    proptest! {
+        /// Smoothing moves light but neither makes nor loses much: within the range of what is there.
+        #[test]
+        fn what_is_dark_stays_dark(width in prop::sample::select(vec![3usize, 7, 13]), place in 0usize..COLUMNS * COLUMNS) {
+            let area = vec![1.0; COLUMNS * COLUMNS];
+            let mut light = vec![0.0; area.len()];
+            light[place] = 1.0;
+            let smooth = twiced(&light, &area, COLUMNS, width);
+            let reach = 6 * (width / 2) + 1;
+            for (k, v) in smooth.iter().enumerate() {
+                let near = (k % COLUMNS).abs_diff(place % COLUMNS) <= reach && (k / COLUMNS).abs_diff(place / COLUMNS) <= reach;
+                prop_assert!(near || v.abs() < 1e-12);
+            }
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Light that spreads sideways in the tissue: what enters here leaves around here.
+//!
+//! Light that enters the tissue survives with the chance a (its albedo), leaves it at a distance r of the Christensen-Burley
+//! profile p(r) = (exp(-r/d) + exp(-r/3d)) / (8 pi d r) and is mirrored back at the boundary with a chance rho. So the
+//! exitance B towards the boundary is that of B = a p * (Phi + rho B) where there is tissue, * the convolution, Phi what
+//! enters. Photons could draw each such step; the convolution, by Fourier transforms, adds no noise and takes most of
+//! what Phi has.
+
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftPlanner};
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
+
+/// How far the grid reaches beyond the map, in units of the profile's longer length 3 d: exp(-8) is left there.
+const MARGIN: f64 = 8.0;
+/// The series ends where its last term is below this share of the whole.
+const TOLERANCE: f64 = 1e-5;
+/// Most terms.
+const TERMS: usize = 200;
+
+/// Spreads maps of one grid.
+pub struct Spread {
+    columns: usize,
+    rows: usize,
+    /// Size of the padded grid.
+    size: [usize; 2],
+    /// Spectrum of albedo times profile times the area of a texel, over the number of cells; real, since the profile is even.
+    spectrum: Vec<f64>,
+    /// Share that the boundary mirrors back into the tissue; 0 where there is none.
+    reentry: Vec<f64>,
+    plans: [[Arc<dyn Fft<f64>>; 2]; 2],
+}
+
+impl Spread {
+    /// Prepares a grid of texels of `texel_mm` with the profile's length `d_mm`; `reentry` per texel.
+    pub fn new(columns: usize, texel_mm: [f64; 2], d_mm: f64, albedo: f64, reentry: Vec<f64>) -> Self {
+        let rows = reentry.len() / columns;
+        let size = [0, 1].map(|axis| {
+            let margin = (MARGIN * 3.0 * d_mm / texel_mm[axis]).ceil() as usize;
+            smooth_number([columns, rows][axis] + margin)
+        });
+        let mut planner = FftPlanner::new();
+        let plans = [true, false].map(|forward| {
+            size.map(|n| if forward { planner.plan_fft_forward(n) } else { planner.plan_fft_inverse(n) })
+        });
+        let mut spread = Self { columns, rows, size, spectrum: Vec::new(), reentry, plans };
+        let cells = (size[0] * size[1]) as f64;
+        let mut kernel = profile(size, texel_mm, d_mm);
+        spread.transform(&mut kernel, true);
+        spread.spectrum = kernel.into_iter().map(|value| albedo * value.re / cells).collect();
+        spread
+    }
+
+    /// Exitance of two maps at once, from the flux that enters: the kernel is even, so one may travel as the imaginary part.
+    pub fn exitance(&self, entering: [&[f64]; 2]) -> [Vec<f64>; 2] {
+        let mut total = vec![Complex::new(0.0, 0.0); self.columns * self.rows];
+        let mut source: Vec<Complex<f64>> =
+            entering[0].iter().zip(entering[1]).map(|(&re, &im)| Complex::new(re, im)).collect();
+        for _ in 0..TERMS {
+            let term = self.convolved(&source);
+            let (mut last, mut whole) = (0.0, 0.0);
+            for ((total, term), (source, reentry)) in
+                total.iter_mut().zip(&term).zip(source.iter_mut().zip(&self.reentry))
+            {
+                *total += term;
+                *source = term * reentry;
+                last += source.norm_sqr();
+                whole += total.norm_sqr();
+            }
+            if last <= TOLERANCE * TOLERANCE * whole {
+                break;
+            }
+        }
+        [total.iter().map(|v| v.re).collect(), total.iter().map(|v| v.im).collect()]
+    }
+
+    fn convolved(&self, source: &[Complex<f64>]) -> Vec<Complex<f64>> {
+        let mut grid = vec![Complex::new(0.0, 0.0); self.size[0] * self.size[1]];
+        for (row, from) in grid.chunks_mut(self.size[0]).zip(source.chunks(self.columns)) {
+            row[..self.columns].copy_from_slice(from);
+        }
+        self.transform(&mut grid, true);
+        grid.iter_mut().zip(&self.spectrum).for_each(|(v, s)| *v *= s);
+        self.transform(&mut grid, false);
+        grid.chunks(self.size[0]).take(self.rows).flat_map(|row| row[..self.columns].iter().copied()).collect()
+    }
+
+    /// Fourier transform over both axes, without a factor; the forward one leaves the grid transposed, the other turns it
+    /// back.
+    fn transform(&self, grid: &mut Vec<Complex<f64>>, forward: bool) {
+        let [columns, rows] = self.size;
+        let [ahead, back] = &self.plans;
+        if forward {
+            ahead[0].process(grid);
+            *grid = transposed(grid, columns);
+            ahead[1].process(grid);
+        } else {
+            back[1].process(grid);
+            *grid = transposed(grid, rows);
+            back[0].process(grid);
+        }
+    }
+}
+
+/// The least number of 2, 3 and 5 as factors that is not below `n`: quick to transform.
+fn smooth_number(n: usize) -> usize {
+    let left = |m: usize| [2, 3, 5].iter().fold(m, |m, f| (0..64).fold(m, |m, _| if m % f == 0 { m / f } else { m }));
+    (n..).find(|&m| left(m) == 1).unwrap_or(n)
+}
+
+fn transposed(grid: &[Complex<f64>], columns: usize) -> Vec<Complex<f64>> {
+    let rows = grid.len() / columns;
+    let mut out = Vec::with_capacity(grid.len());
+    for x in 0..columns {
+        out.extend((0..rows).map(|y| grid[y * columns + x]));
+    }
+    out
+}
+
+/// Share of the profile in each texel about a source in the middle of texel 0, wrapped about the grid.
+fn profile(size: [usize; 2], texel_mm: [f64; 2], d_mm: f64) -> Vec<Complex<f64>> {
+    let half = size.map(|n| n / 2 + 1);
+    // Integrals from the source to the corners of the texels; the first corner lies half a texel away.
+    let corner = |k: usize, axis: usize| (k as f64 + 0.5) * texel_mm[axis];
+    let corners: Vec<f64> =
+        (0..half[0] * half[1]).map(|k| quarter(corner(k % half[0], 0), corner(k / half[0], 1), d_mm)).collect();
+    let at = |x: usize, y: usize| corners[y * half[0] + x];
+    let near = |k: usize, n: usize| k.min(n - k);
+    let cell = |k: usize| {
+        let (x, y) = (near(k % size[0], size[0]), near(k / size[0], size[1]));
+        let share = match (x, y) {
+            (0, 0) => 4.0 * at(0, 0),
+            (x, 0) => 2.0 * (at(x, 0) - at(x - 1, 0)),
+            (0, y) => 2.0 * (at(0, y) - at(0, y - 1)),
+            (x, y) => at(x, y) - at(x - 1, y) - at(x, y - 1) + at(x - 1, y - 1),
+        };
+        Complex::new(share, 0.0)
+    };
+    (0..size[0] * size[1]).map(cell).collect()
+}
+
+/// Integral of the profile over the rectangle from the source to (x, y), in polar coordinates.
+fn quarter(x: f64, y: f64, d_mm: f64) -> f64 {
+    // Of r p(r) from 0 to r.
+    let within = |r: f64| ((1.0 - (-r / d_mm).exp()) + 3.0 * (1.0 - (-r / (3.0 * d_mm)).exp())) / (8.0 * PI);
+    let wedge = |side: f64, end: f64| {
+        // The integrand is even in the angle and bends most at its end: Gauss-Legendre over two halves.
+        let halves = [[0.0, 0.5 * end], [0.5 * end, end]];
+        let part = |[a, b]: [f64; 2]| -> f64 {
+            let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+            GAUSS_8.iter().map(|[at, weight]| half * weight * within(side / (middle + half * at).cos())).sum()
+        };
+        halves.map(part).iter().sum::<f64>()
+    };
+    let angle = y.atan2(x);
+    wedge(x, angle) + wedge(y, FRAC_PI_2 - angle)
+}
+
+/// Places and weights of Gauss and Legendre on (-1, 1).
+const GAUSS_8: [[f64; 2]; 8] = [
+    [-0.960_289_856_497_536_2, 0.101_228_536_290_376_26],
+    [-0.796_666_477_413_626_7, 0.222_381_034_453_374_47],
+    [-0.525_532_409_916_329, 0.313_706_645_877_887_3],
+    [-0.183_434_642_495_649_8, 0.362_683_783_378_362],
+    [0.183_434_642_495_649_8, 0.362_683_783_378_362],
+    [0.525_532_409_916_329, 0.313_706_645_877_887_3],
+    [0.796_666_477_413_626_7, 0.222_381_034_453_374_47],
+    [0.960_289_856_497_536_2, 0.101_228_536_290_376_26],
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_profile_keeps_all_light() {
+        let whole = quarter(60.0, 60.0, 0.4) * 4.0;
+        assert!((whole - 1.0).abs() < 1e-9, "{whole}");
+        let grid: f64 = profile([400, 320], [0.1, 0.125], 0.4).iter().map(|v| v.re).sum();
+        assert!((grid - 1.0).abs() < 1e-6, "{grid}");
+    }
+
+    /// Half of the profile lies within the radius where 1 - exp(-r/d)/4 - 3 exp(-r/3d)/4 is one half.
+    #[test]
+    fn a_disc_holds_what_the_closed_form_says() {
+        let (texel, d) = (0.05, 0.4);
+        let radius: f64 = 1.0;
+        let kernel = profile([400, 400], [texel, texel], d);
+        let place = |k: usize| if k < 200 { k as f64 } else { k as f64 - 400.0 } * texel;
+        let within: f64 =
+            (0..400 * 400).filter(|k| place(k % 400).hypot(place(k / 400)) <= radius).map(|k| kernel[k].re).sum();
+        let exact = 1.0 - 0.25 * (-radius / d).exp() - 0.75 * (-radius / (3.0 * d)).exp();
+        assert!((within - exact).abs() < 3e-3, "{within} {exact}");
+    }
+
+    /// Even light over tissue without end: B = a Phi / (1 - a rho).
+    #[test]
+    fn even_light_is_a_geometric_series() {
+        let (albedo, reentry) = (0.76, 0.5);
+        let spread = Spread::new(200, [0.25, 0.25], 0.2, albedo, vec![reentry; 200 * 180]);
+        let [once, twice] = spread.exitance([&vec![1.0; 200 * 180], &vec![2.0; 200 * 180]]);
+        let middle = 90 * 200 + 100;
+        let exact = albedo / (1.0 - albedo * reentry);
+        assert!((once[middle] - exact).abs() < 1e-4 * exact, "{} {exact}", once[middle]);
+        assert!((twice[middle] - 2.0 * exact).abs() < 2e-4 * exact);
+        // Light is lost beyond the edges.
+        assert!(once[0] < 0.5 * exact);
+    }
+
+    /// A source beside a region without re-entry: what returns from there is nothing.
+    #[test]
+    fn what_leaves_beyond_the_tissue_is_lost() {
+        let columns = 120;
+        let half = |k: usize| if k % columns < 60 { 0.5 } else { 0.0 };
+        let part = Spread::new(columns, [0.2, 0.2], 0.3, 0.8, (0..columns * 100).map(half).collect());
+        let whole = Spread::new(columns, [0.2, 0.2], 0.3, 0.8, vec![0.5; columns * 100]);
+        let mut source = vec![0.0; columns * 100];
+        source[50 * columns + 58] = 1.0;
+        let at = |spread: &Spread| spread.exitance([&source, &source])[0].iter().sum::<f64>();
+        assert!(at(&part) < 0.95 * at(&whole), "{} {}", at(&part), at(&whole));
+    }
+}
