@@ -71,13 +71,10 @@ impl Assembly {
         let softest = materials.iter().map(|m| m.law.shear_kpa()).fold(f64::INFINITY, f64::min);
         let contact = Contact::new(setup.kinematics, &mesh, &facets, counterpart, setup.grip, softest, side);
         let problem = Problem {
-            kinematics: setup.kinematics,
-            mesh,
-            materials,
             supports,
-            forces: Vec::new(),
             contacts: vec![contact],
             seconds_per_load: setup.seconds_per_mm,
+            ..Problem::free(setup.kinematics, mesh, materials)
         };
         Ok(Self { problem, phantom_nodes, phantom_elements, bodies })
     }

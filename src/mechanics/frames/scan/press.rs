@@ -24,13 +24,9 @@ pub(super) fn problem(setup: &ScanSetup, mesh: &Mesh, position_mm: f64, touched:
     let counterpart = Counterpart::Rigid { profile: setup.indenter.clone(), center: [position_mm, 0.0] };
     let contact = Contact::new(kinematics, mesh, touched, counterpart, setup.grip, softest, 1.0);
     Problem {
-        kinematics,
-        mesh: mesh.clone(),
-        materials: setup.materials.clone(),
         supports: supports(mesh, 0, kinematics, Boundary::Base, -1.0),
-        forces: Vec::new(),
         contacts: vec![contact],
-        seconds_per_load: None,
+        ..Problem::free(kinematics, mesh.clone(), setup.materials.clone())
     }
 }
 
