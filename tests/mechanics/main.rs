@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod answers;
+mod extreme_presses;
 mod extremes;
 mod faults;
 mod inclusion;
@@ -17,6 +18,7 @@ mod press;
 mod punches;
 mod rates;
 mod shells;
+mod sliding;
 
 impl answers::Answer {
     /// Error of a figure, relative where the exact value is not 0.
