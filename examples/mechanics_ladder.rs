@@ -10,6 +10,9 @@
 #[path = "../tests/mechanics/answers/mod.rs"]
 mod answers;
 
+#[path = "mechanics_ladder/phantom.rs"]
+mod phantom;
+
 use answers::{Answer, cook, eshelby, hayes, hertz, press, sphere};
 use tirtouch::mechanics::kinematics::Kinematics;
 
@@ -45,6 +48,9 @@ fn main() {
     }
     for (name, solve) in ladders {
         table(&name, longest, &solve);
+    }
+    for inclusion in [false, true] {
+        phantom::table(inclusion);
     }
 }
 

@@ -2,11 +2,13 @@
 //! numbers.
 
 use tirtouch::mechanics::contact::Grip;
+use tirtouch::mechanics::from_scene::press_setup;
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::Material;
 use tirtouch::mechanics::mesh::{Footprint, InclusionShape, MeshError, PhantomMesh, PhantomShape, Resolution, Star};
 use tirtouch::mechanics::press::{Load, PressError, PressSettings, Pressed, SensorBody, Setup, press};
 use tirtouch::mechanics::read_out::{min_jacobian, pressure_jump};
+use tirtouch::scene::preset;
 
 const HEIGHT: f64 = 25.0;
 
@@ -75,6 +77,20 @@ fn balls_that_touch_or_cut_a_face_are_refused_with_their_numbers() {
 }
 
 #[test]
+fn a_scene_whose_ball_touches_a_face_is_refused_with_its_numbers() {
+    for (depth, says) in [
+        (0.0, "inclusion 1 is 0 mm from the touched face (negative: it sticks out), at least 0.02 mm are needed"),
+        (17.0, "inclusion 1 is 0 mm from the base (negative: it sticks out), at least 0.02 mm are needed"),
+    ] {
+        let mut loaded = preset("phantom-size-8mm").unwrap();
+        loaded.scene.phantom.as_mut().unwrap().inclusion[0].depth_mm = depth;
+        let error = run(&press_setup(&loaded).unwrap()).unwrap_err();
+        assert!(matches!(error, PressError::Mesh(MeshError::SticksOut { .. })), "{error}");
+        assert_eq!(error.to_string().replace("-0 mm", "0 mm"), says);
+    }
+}
+
+#[test]
 fn balls_that_all_but_touch_a_face_press() {
     let plain = sound_force("none", &setup(None, 0.4999));
     for depth in [0.021, HEIGHT - 8.021] {
@@ -118,6 +134,14 @@ fn forces_rise_to_that_of_the_incompressible_phantom() {
         last = force;
     }
     assert!((last / limit - 1.0).abs() < 1e-4, "{last} N, {limit} N");
+}
+
+#[test]
+fn every_part_of_the_phantom_needs_a_material() {
+    let mut bare = setup(Some((8.0, 5.0, 24.0)), 0.4999);
+    bare.phantom_materials.truncate(1);
+    let error = run(&bare).unwrap_err();
+    assert_eq!(error.to_string(), "the phantom and its 1 inclusions need 2 materials, 1 given");
 }
 
 #[test]

@@ -29,6 +29,12 @@ impl Assembly {
     /// # Errors
     /// Geometry that cannot be meshed, a setting that is not supported.
     pub fn new(setup: &Setup) -> Result<Self, PressError> {
+        let (inclusions, given) = (setup.phantom.inclusions.len(), setup.phantom_materials.len());
+        if given != inclusions + 1 {
+            let message =
+                format!("the phantom and its {inclusions} inclusions need {} materials, {given} given", inclusions + 1);
+            return Err(PressError::Unsupported(message));
+        }
         let flat = setup.kinematics != Kinematics::ThreeDimensional;
         let phantom = if flat { setup.phantom.build_2d()? } else { setup.phantom.build_3d()? };
         let (phantom_nodes, phantom_elements) = (phantom.nodes.len(), phantom.element_count());
