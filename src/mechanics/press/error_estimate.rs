@@ -41,7 +41,7 @@ pub(super) fn estimate(pressed: &mut Pressed, observe: &mut dyn FnMut(f64) -> bo
 ///
 /// What the edge sends inwards is smooth there (Saint-Venant), so the difference is split: what p (a + b r^2) follows by
 /// least squares is the edge's, the rest the elements' own.
-fn pressure_error(setup: &Setup, fine: &[ContactPoint], coarse: &[ContactPoint]) -> f64 {
+pub(super) fn pressure_error(setup: &Setup, fine: &[ContactPoint], coarse: &[ContactPoint]) -> f64 {
     let misfits = misfits(setup, fine, coarse);
     let sum = |term: &dyn Fn(&Misfit) -> f64| misfits.iter().map(|m| m.area * term(m)).sum::<f64>();
     let size = sum(&|m| m.pressure.powi(2));
