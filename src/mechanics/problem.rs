@@ -64,6 +64,12 @@ pub struct Traction {
 }
 
 impl Problem {
+    /// Bodies that nothing holds, loads or touches yet.
+    pub fn free(kinematics: Kinematics, mesh: Mesh, materials: Vec<Material>) -> Self {
+        let (supports, forces, contacts) = (Vec::new(), Vec::new(), Vec::new());
+        Self { kinematics, mesh, materials, supports, forces, contacts, seconds_per_load: None }
+    }
+
     /// The undeformed state.
     pub fn start(&self) -> State {
         State {

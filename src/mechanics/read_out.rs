@@ -133,11 +133,26 @@ pub fn samples(problem: &Problem, state: &State, e: usize) -> Option<Vec<Sample>
 
 /// Smallest volume over reference volume at all quadrature points; `None` where an element is inside out.
 pub fn min_jacobian(problem: &Problem, state: &State) -> Option<f64> {
-    let mut least = f64::INFINITY;
-    for e in 0..problem.mesh.element_count() {
-        least = samples(problem, state, e)?.iter().fold(least, |least, sample| least.min(sample.jacobian));
-    }
-    Some(least)
+    let least = element_least_jacobian(problem, state);
+    least.into_iter().try_fold(f64::INFINITY, |least, here| (!here.is_nan()).then(|| least.min(here)))
+}
+
+/// Smallest volume over reference volume at the quadrature points of each element; NaN where it is inside out.
+pub fn element_least_jacobian(problem: &Problem, state: &State) -> Vec<f64> {
+    let smallest = |samples: Vec<Sample>| samples.iter().fold(f64::INFINITY, |least, s| least.min(s.jacobian));
+    (0..problem.mesh.element_count()).map(|e| samples(problem, state, e).map_or(f64::NAN, smallest)).collect()
+}
+
+/// Mean compressive stress at each node of each element, kPa, in the order of the mesh's elements. It may jump between
+/// elements: the pressure is discontinuous.
+pub fn element_pressure(problem: &Problem, state: &State) -> Vec<f64> {
+    let dim = problem.kinematics.dim();
+    let at_nodes = |e: usize| {
+        let element = Element::new(problem, state, e);
+        let frame = pressure_frame(&element.nodes);
+        element.nodes.iter().map(|&x| -element.pressure_at(dim, &frame, x)).collect::<Vec<_>>()
+    };
+    (0..problem.mesh.element_count()).flat_map(at_nodes).collect()
 }
 
 /// Mean stress at the nodes, kPa: the mean over the elements around each, weighted by their boxes.

@@ -7,7 +7,7 @@
 
 use super::element::{MAX_NODES, MAX_PRESSURES, quadrature};
 use super::kinematics::{Kinematics, MaterialPoint, cofactor};
-use super::material::{History, Material, Tensor};
+use super::material::{History, Material, Response, Tensor};
 
 /// Largest bulk modulus of the tangent, in shear moduli.
 const TANGENT_BULK: f64 = 1e4;
@@ -64,28 +64,14 @@ pub fn element_system(
     history: Option<(&[History], f64)>,
     tangent_bulk_kpa: Option<f64>,
 ) -> Option<ElementSystem> {
-    let evaluate = if kinematics.dim() == 3 { system::<3, SOLID_NODES> } else { system::<2, PLANE_NODES> };
-    evaluate(kinematics, nodes, displacement, pressure, material, history, tangent_bulk_kpa)
-}
-
-/// The element in `D` dimensions; `N` is its number of nodes, made even for the sake of vector instructions.
-fn system<const D: usize, const N: usize>(
-    kinematics: Kinematics,
-    nodes: &[[f64; 3]],
-    displacement: &[[f64; 3]],
-    pressure: &[f64],
-    material: &Material,
-    history: Option<(&[History], f64)>,
-    tangent_bulk_kpa: Option<f64>,
-) -> Option<ElementSystem> {
-    let dim = D;
+    let dim = kinematics.dim();
     let tangent = tangent_bulk_kpa.is_some();
     let (unknowns, pressures) = (nodes.len() * dim, dim + 1);
     let frame = pressure_frame(nodes);
     let small = material.law.is_small_strain();
     let compliance = 1.0 / material.bulk_kpa();
     let mut force = vec![0.0; unknowns];
-    let mut blocks = Blocks::<N>::new(if tangent { nodes.len() } else { 0 });
+    let mut stiffness = Stiffness::new(dim, if tangent { nodes.len() } else { 0 });
     let mut slope = vec![0.0; pressures * unknowns];
     let mut mass = [[0.0; MAX_PRESSURES]; MAX_PRESSURES];
     let mut balance = [0.0; MAX_PRESSURES];
@@ -106,11 +92,13 @@ fn system<const D: usize, const N: usize>(
         for k in 0..9 {
             response.stress[k] += p * direction[k / 3][k % 3];
         }
-        let operator = Operator::<D, N>::new(kinematics, &point, nodes.len());
         let volume = point.volume;
-        operator.scatter(&response.stress, volume, &mut force);
         let mut divergence = [0.0; MAX_NODES * 3];
-        operator.scatter(&flat(&direction), volume, &mut divergence[..unknowns]);
+        if tangent && !small {
+            add_cofactor_derivative(&f, p, &mut response.tangent);
+        }
+        let sums = Sums { force: &mut force, divergence: &mut divergence[..unknowns] };
+        stiffness.add(kinematics, &point, &response, &flat(&direction), sums);
         for k in 0..pressures {
             balance[k] += volume * functions[k] * (change - compliance * p);
             for l in 0..pressures {
@@ -120,18 +108,12 @@ fn system<const D: usize, const N: usize>(
                 *row += functions[k] * d;
             }
         }
-        if tangent {
-            if !small {
-                add_cofactor_derivative(&f, p, &mut response.tangent);
-            }
-            operator.add_stiffness(&response.tangent, volume, &mut blocks);
-        }
     }
     let volume_defect = balance[..pressures].iter().fold(0.0, |m: f64, b| m.max((b / mass[0][0]).abs()));
     let mut system = ElementSystem {
         condensed: force.clone(),
         force,
-        stiffness: blocks.spell_out(dim),
+        stiffness: stiffness.spell_out(),
         pressure_defect: [0.0; MAX_PRESSURES],
         pressure_slope: slope,
         volume_defect,
@@ -252,6 +234,63 @@ struct Operator<const D: usize, const N: usize> {
     nodes: usize,
 }
 
+/// An element's stiffness, as its number of dimensions lays it out.
+enum Stiffness {
+    Plane(Blocks<PLANE_NODES>),
+    Solid(Blocks<SOLID_NODES>),
+}
+
+/// What a point adds to, one entry a displacement component.
+struct Sums<'a> {
+    force: &'a mut [f64],
+    divergence: &'a mut [f64],
+}
+
+impl Stiffness {
+    /// For so many nodes; with none, only the sums are kept.
+    fn new(dim: usize, nodes: usize) -> Self {
+        if dim == 3 { Self::Solid(Blocks::new(nodes)) } else { Self::Plane(Blocks::new(nodes)) }
+    }
+
+    /// Adds a point's stiffness, its stress to the forces and the direction of its volume to the divergence.
+    fn add(
+        &mut self,
+        kinematics: Kinematics,
+        point: &MaterialPoint,
+        response: &Response,
+        direction: &[f64; 9],
+        sums: Sums,
+    ) {
+        match self {
+            Self::Plane(blocks) => add_point::<2, PLANE_NODES>(kinematics, point, response, direction, sums, blocks),
+            Self::Solid(blocks) => add_point::<3, SOLID_NODES>(kinematics, point, response, direction, sums, blocks),
+        }
+    }
+
+    fn spell_out(&self) -> Vec<f64> {
+        match self {
+            Self::Plane(blocks) => blocks.spell_out(2),
+            Self::Solid(blocks) => blocks.spell_out(3),
+        }
+    }
+}
+
+fn add_point<const D: usize, const N: usize>(
+    kinematics: Kinematics,
+    point: &MaterialPoint,
+    response: &Response,
+    direction: &[f64; 9],
+    sums: Sums,
+    blocks: &mut Blocks<N>,
+) {
+    let operator = Operator::<D, N>::new(kinematics, point, sums.force.len() / D);
+    operator.scatter(&response.stress, point.volume, sums.force);
+    operator.scatter(direction, point.volume, sums.divergence);
+    if blocks.nodes() > 0 {
+        operator.add_stiffness(&response.tangent, point.volume, blocks);
+    }
+}
+
 /// Stiffness by pairs of components (c, d) with c <= d: entry [pair][b][a] joins component c of node a and d of node b.
 struct Blocks<const N: usize>([Vec<[f64; N]>; 6]);
 
@@ -267,9 +306,13 @@ impl<const N: usize> Blocks<N> {
         Self(std::array::from_fn(|_| vec![[0.0; N]; nodes]))
     }
 
+    fn nodes(&self) -> usize {
+        self.0[0].len()
+    }
+
     /// The full row-major matrix.
     fn spell_out(&self, dim: usize) -> Vec<f64> {
-        let nodes = self.0[0].len();
+        let nodes = self.nodes();
         let unknowns = nodes * dim;
         let mut stiffness = vec![0.0; unknowns * unknowns];
         for ([c, d], block) in PAIRS.iter().zip(&self.0).take(pairs(dim)) {

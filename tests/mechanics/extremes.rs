@@ -79,15 +79,7 @@ fn a_bonded_block_is_pressed_to_half_its_height() {
         (0..2).for_each(|axis| supports.extend(held(&mesh, |x| x[1] == 0.0, axis, |_| 0.0)));
         let materials = vec![Material::elastic(law, poisson).unwrap()];
         let kinematics = Kinematics::Axisymmetric;
-        let problem = Problem {
-            kinematics,
-            mesh,
-            materials,
-            supports,
-            forces: Vec::new(),
-            contacts: Vec::new(),
-            seconds_per_load: None,
-        };
+        let problem = Problem { supports, ..Problem::free(kinematics, mesh, materials) };
         let mut solver = Solver::new(&problem);
         let mut state = problem.start();
         for load in (1..=10).map(|k| 0.1 * f64::from(k)) {

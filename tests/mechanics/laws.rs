@@ -17,15 +17,7 @@ fn nominal_stress(kinematics: Kinematics, divisions: usize, law: &Law, stretch: 
     let mut supports: Vec<_> = (0..dim).flat_map(|axis| held(&mesh, |x| x[axis] == 0.0, axis, |_| 0.0)).collect();
     supports.extend(held(&mesh, |x| x[up] == 1.0, up, |_| stretch - 1.0));
     let materials = vec![Material::elastic(law.clone(), 0.5).unwrap()];
-    let problem = Problem {
-        kinematics,
-        mesh,
-        materials,
-        supports,
-        forces: Vec::new(),
-        contacts: Vec::new(),
-        seconds_per_load: None,
-    };
+    let problem = Problem { supports, ..Problem::free(kinematics, mesh, materials) };
     let solved = Solved::new(problem, &[1.0]).unwrap();
     assert!((min_jacobian(&solved.problem, &solved.state).unwrap() - 1.0).abs() < 1e-7);
     let forces = reactions(&solved.problem, &solved.state).unwrap();

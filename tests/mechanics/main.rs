@@ -6,6 +6,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod answers;
+mod estimates;
+mod extreme_presses;
 mod extremes;
 mod faults;
 mod inclusion;
@@ -17,6 +19,7 @@ mod press;
 mod punches;
 mod rates;
 mod shells;
+mod sliding;
 
 impl answers::Answer {
     /// Error of a figure, relative where the exact value is not 0.

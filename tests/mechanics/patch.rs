@@ -26,15 +26,7 @@ fn patch(kinematics: Kinematics, material: Material, gradient: &Gradient) -> (So
     let mesh = shapes::patch(dim, 3, 0.25, 0.04, 11).unwrap();
     let supports = held_around(&mesh, |x| apply(gradient, x));
     let modulus = material.law.shear_kpa();
-    let problem = Problem {
-        kinematics,
-        mesh,
-        materials: vec![material],
-        supports,
-        forces: Vec::new(),
-        contacts: Vec::new(),
-        seconds_per_load: None,
-    };
+    let problem = Problem { supports, ..Problem::free(kinematics, mesh, vec![material]) };
     let solved = Solved::new(problem, &[1.0]).unwrap();
     let mut errors = [0.0f64; 2];
     for (x, u) in solved.problem.mesh.nodes.iter().zip(&solved.state.displacement) {

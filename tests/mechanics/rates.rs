@@ -32,8 +32,7 @@ fn flow(kinematics: Kinematics, divisions: usize, distortion: f64, poisson: f64)
     });
     forces.extend(body_forces(kinematics, &mesh));
     let materials = vec![Material::elastic(Law::Linear { shear_kpa: 1.0 }, poisson).unwrap()];
-    let problem =
-        Problem { kinematics, mesh, materials, supports, forces, contacts: Vec::new(), seconds_per_load: None };
+    let problem = Problem { supports, forces, ..Problem::free(kinematics, mesh, materials) };
     let solved = Solved::new(problem, &[1.0]).unwrap();
     errors(&solved.problem, &solved.state, &|x| displacement(dim, x), &|x| pressure(dim, x).0)
 }

@@ -29,6 +29,12 @@ impl Assembly {
     /// # Errors
     /// Geometry that cannot be meshed, a setting that is not supported.
     pub fn new(setup: &Setup) -> Result<Self, PressError> {
+        let (inclusions, given) = (setup.phantom.inclusions.len(), setup.phantom_materials.len());
+        if given != inclusions + 1 {
+            let message =
+                format!("the phantom and its {inclusions} inclusions need {} materials, {given} given", inclusions + 1);
+            return Err(PressError::Unsupported(message));
+        }
         let flat = setup.kinematics != Kinematics::ThreeDimensional;
         let phantom = if flat { setup.phantom.build_2d()? } else { setup.phantom.build_3d()? };
         let (phantom_nodes, phantom_elements) = (phantom.nodes.len(), phantom.element_count());
@@ -68,16 +74,13 @@ impl Assembly {
                 (facets.into_iter().map(shift).collect(), Counterpart::Face(face), -1.0)
             }
         };
-        let softest = materials.iter().map(|m| m.law.shear_kpa()).fold(f64::INFINITY, f64::min);
-        let contact = Contact::new(setup.kinematics, &mesh, &facets, counterpart, setup.grip, softest, side);
+        let shear = face_shear_kpa(setup);
+        let contact = Contact::new(setup.kinematics, &mesh, &facets, counterpart, setup.grip, shear, side);
         let problem = Problem {
-            kinematics: setup.kinematics,
-            mesh,
-            materials,
             supports,
-            forces: Vec::new(),
             contacts: vec![contact],
             seconds_per_load: setup.seconds_per_mm,
+            ..Problem::free(setup.kinematics, mesh, materials)
         };
         Ok(Self { problem, phantom_nodes, phantom_elements, bodies })
     }
@@ -98,6 +101,17 @@ fn rigid(setup: &Setup, mesh: &Mesh, edge_radius_mm: f64) -> Result<(Vec<Facet>,
     let profile = Profile::RoundedFlat { flat_mm: radius_mm - edge_radius_mm, edge_radius_mm };
     let facets = touched.filter(|&facet| within(mesh, facet, MARGIN * radius_mm)).collect();
     Ok((facets, Counterpart::Rigid { profile, center }, 1.0))
+}
+
+/// Shear modulus of the softer of the two faces, kPa. What lies deeper does not matter to the contact: an inclusion a
+/// million times softer would make the tangent's spring too weak to close the gap.
+fn face_shear_kpa(setup: &Setup) -> f64 {
+    let top = match &setup.sensor {
+        SensorBody::Rigid { .. } => None,
+        SensorBody::Layers(layers) => layers.last().map(|(_, material)| material),
+    };
+    let faces = setup.phantom_materials.first().into_iter().chain(top);
+    faces.map(|material| material.law.shear_kpa()).fold(f64::INFINITY, f64::min)
 }
 
 fn reach(setup: &Setup) -> f64 {

@@ -69,7 +69,11 @@ fn to_force(
 ) -> Result<(State, f64), PathError> {
     let problem = solver.problem();
     let copies = setup.copies();
+    let meets = |force: f64| (force - target).abs() <= FORCE_TOLERANCE * target;
     let mut low = (start.load, force_n(problem, &start, copies));
+    if meets(low.1) {
+        return Ok((start, low.1));
+    }
     let mut high: Option<(f64, f64)> = None;
     let mut base = start;
     let mut depth = if low.0 > 0.0 { low.0 * target / low.1.max(f64::MIN_POSITIVE) } else { FIRST_DEPTH_MM };
@@ -78,7 +82,7 @@ fn to_force(
         let state = follow(solver, base.clone(), &[depth], observe)?;
         let force = force_n(problem, &state, copies);
         last = (state, force);
-        if (force - target).abs() <= FORCE_TOLERANCE * target {
+        if meets(force) {
             return Ok(last);
         }
         let here = (depth, force);

@@ -5,15 +5,14 @@
 pub mod assembly;
 pub mod contact_curve;
 pub mod error_estimate;
-pub mod fields;
 mod load;
 mod run;
 mod setup;
 
+pub use super::read_out::{element_least_jacobian, element_pressure};
 pub use assembly::Assembly;
 pub use contact_curve::{ContactPoint, contact_points};
 pub use error_estimate::PressureError;
-pub use fields::{element_least_jacobian, element_pressure};
 pub use run::{PressSettings, PressStage, PressStep, Pressed, press};
 pub use setup::{Load, SensorBody, Setup};
 

@@ -126,6 +126,34 @@ fn the_estimated_error_is_true_within_a_factor_of_two() {
 }
 
 #[test]
+fn a_smooth_difference_counts_in_full_and_a_rough_one_by_a_third() {
+    let setup = phantom(None, true, true, &[1.0]);
+    // A difference of 3e-3 p cos(k pi) or of that much along p (a + b r^2), on 150 rings.
+    let face = |off: &dyn Fn(f64, f64) -> f64| -> Vec<ContactPoint> {
+        let point = |k: u32| {
+            let r = 0.1 * f64::from(k);
+            let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+            let pressure_kpa = (1.0 + 0.01 * r * r) * (1.0 + off(r, sign));
+            let (displacement_mm, reference_mm) = ([0.0; 3], [r, 0.0, 0.0]);
+            let (shear_kpa, gap_mm, force_mn, area_mm2) = (0.0, 0.0, 0.0, r);
+            ContactPoint { node: k, reference_mm, displacement_mm, pressure_kpa, shear_kpa, gap_mm, force_mn, area_mm2 }
+        };
+        (0..=150).map(point).collect()
+    };
+    let fine = face(&|_, _| 0.0);
+    let estimate = |off: &dyn Fn(f64, f64) -> f64| {
+        let coarse = face(off);
+        let whole = error_estimate::difference(&setup, &fine, &coarse);
+        error_estimate::pressure_error(&setup, &fine, &coarse) / whole
+    };
+    assert!((estimate(&|_, _| 3e-3) - 1.0).abs() < 1e-9);
+    assert!((estimate(&|r, _| 3e-3 - 5e-5 * r * r) - 1.0).abs() < 1e-9);
+    // The alternating one is all but orthogonal to the smooth ones: to one ring in 120.
+    assert!((estimate(&|_, sign| 3e-3 * sign) - 1.0 / 3.0).abs() < 1e-2);
+    assert_eq!(error_estimate::pressure_error(&setup, &fine, &fine), 0.0);
+}
+
+#[test]
 fn a_held_press_relaxes_by_its_prony_terms() {
     let mut setup = phantom(None, false, true, &[1.0]);
     let elastic = pressed(&setup).steps[0].force_n;

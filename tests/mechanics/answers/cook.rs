@@ -21,15 +21,7 @@ pub fn solve(rung: usize) -> Answer {
     let loaded = mesh.boundary_facets(Boundary::Touched);
     let forces = traction_forces(Kinematics::PlaneStrain, &mesh, &loaded, &|_, _| [0.0, 1.0 / 16.0, 0.0]);
     let materials = vec![Material::elastic(Law::Linear { shear_kpa: SHEAR }, poisson).unwrap()];
-    let problem = Problem {
-        kinematics: Kinematics::PlaneStrain,
-        mesh,
-        materials,
-        supports,
-        forces,
-        contacts: Vec::new(),
-        seconds_per_load: None,
-    };
+    let problem = Problem { supports, forces, ..Problem::free(Kinematics::PlaneStrain, mesh, materials) };
     let solved = Solved::new(problem, &[1.0]).unwrap();
     let nodes = &solved.problem.mesh.nodes;
     let middle = nodes.iter().position(|x| x[0] == 48.0 && (x[1] - 52.0).abs() < 1e-9).unwrap();

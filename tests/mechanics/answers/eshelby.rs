@@ -32,15 +32,7 @@ pub fn solve(rung: usize, contrast: f64) -> Solved {
     let supports = supports.into_iter().filter(|s| s.axis == 0 || !free(mesh.nodes[s.node as usize])).collect();
     let materials = vec![Material::linear(1.0, 0.5).unwrap(), Material::linear(contrast, 0.5).unwrap()];
     let kinematics = Kinematics::Axisymmetric;
-    let problem = Problem {
-        kinematics,
-        mesh,
-        materials,
-        supports,
-        forces: Vec::new(),
-        contacts: Vec::new(),
-        seconds_per_load: None,
-    };
+    let problem = Problem { supports, ..Problem::free(kinematics, mesh, materials) };
     Solved::new(problem, &[1.0]).unwrap()
 }
 

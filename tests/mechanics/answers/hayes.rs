@@ -79,9 +79,5 @@ fn solve(
 ) -> Solved {
     let materials = vec![Material::linear(1.0, poisson).unwrap()];
     let kinematics = Kinematics::Axisymmetric;
-    Solved::new(
-        Problem { kinematics, mesh, materials, supports, forces, contacts: Vec::new(), seconds_per_load: None },
-        &[1.0],
-    )
-    .unwrap()
+    Solved::new(Problem { supports, forces, ..Problem::free(kinematics, mesh, materials) }, &[1.0]).unwrap()
 }

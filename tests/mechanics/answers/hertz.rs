@@ -37,15 +37,7 @@ fn press(rung: usize, kinematics: Kinematics, poisson: f64, profile: Profile, de
     let shear = material.law.shear_kpa();
     let contact = Contact::new(kinematics, &mesh, &facets, counterpart, Grip::Frictionless, shear, 1.0);
     let supports = on_a_base(&mesh, far, -depth);
-    let problem = Problem {
-        kinematics,
-        mesh,
-        materials: vec![material],
-        supports,
-        forces: Vec::new(),
-        contacts: vec![contact],
-        seconds_per_load: None,
-    };
+    let problem = Problem { supports, contacts: vec![contact], ..Problem::free(kinematics, mesh, vec![material]) };
     Solved::new(problem, &[1.0]).unwrap()
 }
 

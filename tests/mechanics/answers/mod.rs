@@ -6,6 +6,7 @@ pub mod cook;
 pub mod eshelby;
 pub mod hayes;
 pub mod hertz;
+pub mod phantom;
 pub mod press;
 pub mod sphere;
 

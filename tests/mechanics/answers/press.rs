@@ -36,15 +36,7 @@ pub fn press(mesh: Mesh, materials: Vec<Material>, grip: Grip, depth: f64, loads
     let shear = materials[0].law.shear_kpa();
     let contact = Contact::new(kinematics, &mesh, &facets, counterpart, grip, shear, 1.0);
     let supports = on_a_base(&mesh, HEIGHT, -depth);
-    let problem = Problem {
-        kinematics,
-        mesh,
-        materials,
-        supports,
-        forces: Vec::new(),
-        contacts: vec![contact],
-        seconds_per_load: None,
-    };
+    let problem = Problem { supports, contacts: vec![contact], ..Problem::free(kinematics, mesh, materials) };
     Solved::new(problem, loads)
 }
 

@@ -20,11 +20,8 @@ pub fn linear(rung: usize, kinematics: Kinematics) -> Answer {
     let inner = mesh.boundary_facets(Boundary::Touched);
     let forces = traction_forces(kinematics, &mesh, &inner, &|_, normal| normal.map(|n| -n));
     let materials = vec![Material::linear(1.0, 0.5).unwrap()];
-    let solved = Solved::new(
-        Problem { kinematics, mesh, materials, supports, forces, contacts: Vec::new(), seconds_per_load: None },
-        &[1.0],
-    )
-    .unwrap();
+    let solved =
+        Solved::new(Problem { supports, forces, ..Problem::free(kinematics, mesh, materials) }, &[1.0]).unwrap();
     let nodes = solved.problem.mesh.boundary_nodes(Boundary::Touched);
     let moved = |node: &u32| {
         let (x, u) = (solved.problem.mesh.nodes[*node as usize], solved.state.displacement[*node as usize]);
@@ -45,19 +42,7 @@ pub fn inflate(rung: usize, stretch: f64) -> Solved {
     }
     let materials = vec![Material::neo_hookean(3.0, 0.5).unwrap()];
     let kinematics = Kinematics::Axisymmetric;
-    Solved::new(
-        Problem {
-            kinematics,
-            mesh,
-            materials,
-            supports,
-            forces: Vec::new(),
-            contacts: Vec::new(),
-            seconds_per_load: None,
-        },
-        &[1.0],
-    )
-    .unwrap()
+    Solved::new(Problem { supports, ..Problem::free(kinematics, mesh, materials) }, &[1.0]).unwrap()
 }
 
 /// Pressure in the hollow: work of the reactions over a radial motion, by the volume that it adds (half a sphere here).

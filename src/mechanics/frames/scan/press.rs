@@ -20,17 +20,14 @@ pub(super) struct Pressed {
 /// The problem of one position in which these facets may touch; the load factor is the motion of the base in mm.
 pub(super) fn problem(setup: &ScanSetup, mesh: &Mesh, position_mm: f64, touched: &[Facet]) -> Problem {
     let kinematics = Kinematics::PlaneStrain;
-    let softest = setup.materials.iter().map(|m| m.law.shear_kpa()).fold(f64::INFINITY, f64::min);
+    // The tissue's own: a softer inclusion below does not matter to the contact.
+    let shear = setup.materials.first().map_or(0.0, |tissue| tissue.law.shear_kpa());
     let counterpart = Counterpart::Rigid { profile: setup.indenter.clone(), center: [position_mm, 0.0] };
-    let contact = Contact::new(kinematics, mesh, touched, counterpart, setup.grip, softest, 1.0);
+    let contact = Contact::new(kinematics, mesh, touched, counterpart, setup.grip, shear, 1.0);
     Problem {
-        kinematics,
-        mesh: mesh.clone(),
-        materials: setup.materials.clone(),
         supports: supports(mesh, 0, kinematics, Boundary::Base, -1.0),
-        forces: Vec::new(),
         contacts: vec![contact],
-        seconds_per_load: None,
+        ..Problem::free(kinematics, mesh.clone(), setup.materials.clone())
     }
 }
 
