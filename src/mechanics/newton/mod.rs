@@ -1,9 +1,10 @@
 //! Newton's method over displacement, pressure and contact traction.
 
+mod krylov;
 mod system;
 mod touch;
 
-use super::contact::{Grip, Positions};
+use super::contact::Positions;
 use super::material::History;
 use super::problem::{Problem, State};
 use super::solid::{ElementSystem, advance_history, element_system, tangent_bulk_kpa};
@@ -11,14 +12,13 @@ use super::sparse::{SparseCholesky, SparseError};
 use rayon::prelude::*;
 use system::{floor, unknowns};
 use thiserror::Error;
-use touch::{Touching, touch};
+use touch::{Hold, Touching, touch};
 
 /// What a solver holds over many steps: numbering, pattern, factor.
 pub struct Solver<'a> {
     problem: &'a Problem,
     /// Equation of each displacement component; `HELD` where it is prescribed.
     equation: Vec<u32>,
-    equations: usize,
     /// Prescribed displacement of each component at load factor 1.
     prescribed: Vec<f64>,
     matrix: Option<SparseCholesky>,
@@ -46,10 +46,6 @@ const VOLUME_TOLERANCE: f64 = 1e-9;
 const GAP_TOLERANCE: f64 = 1e-8;
 /// Newton iterations of one load step.
 const ITERATIONS: usize = 40;
-/// Rounds of friction in a step.
-const FRICTION_ROUNDS: usize = 30;
-/// Largest change of the friction's bound between rounds, as a share of its largest.
-const FRICTION_TOLERANCE: f64 = 1e-5;
 /// Newton iterations without progress in a step before it is given up.
 const PATIENCE: usize = 5;
 /// Rise of the forces' residual above its least at which a step is given up, and the least that counts.
@@ -77,9 +73,6 @@ pub enum StepError {
         /// Largest gap in contact, mm.
         gap: f64,
     },
-    /// The rounds of friction did not settle.
-    #[error("the friction does not settle")]
-    Friction,
     /// An element turned inside out however short the step.
     #[error("an element turns inside out")]
     InsideOut,
@@ -129,7 +122,6 @@ impl<'a> Solver<'a> {
         Self {
             problem,
             equation,
-            equations: equations as usize,
             prescribed,
             matrix: None,
             tangent_bulk_kpa: tangent_bulk_kpa(&problem.materials),
@@ -140,8 +132,7 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// The state at load factor `load` after the balanced state `from`, sought from `guess`. Friction is found in rounds: each bears what the pressures of
-    /// the last one allow.
+    /// The state at load factor `load` after the balanced state `from`, sought from `guess`.
     ///
     /// # Errors
     /// [`StepError`] where the step is too long or the structure unstable.
@@ -179,15 +170,9 @@ impl<'a> Solver<'a> {
     }
 
     fn over(&mut self, from: &State, guess: &State, load: f64, seconds: f64) -> Result<State, StepError> {
-        let mut state = self.round(from, guess, load, seconds)?;
-        for _ in 0..FRICTION_ROUNDS {
-            if self.renew_friction(from, &mut state) <= FRICTION_TOLERANCE {
-                state.history = self.remember(&state, from, seconds).ok_or(StepError::InsideOut)?;
-                return Ok(state);
-            }
-            state = self.round(from, &state, load, seconds)?;
-        }
-        Err(StepError::Friction)
+        let mut state = self.balanced(from, guess, load, seconds)?;
+        state.history = self.remember(&state, from, seconds).ok_or(StepError::InsideOut)?;
+        Ok(state)
     }
 
     /// Memory of the materials at the end of a step.
@@ -204,25 +189,8 @@ impl<'a> Solver<'a> {
         from.history.iter().enumerate().map(advance).collect()
     }
 
-    /// Sets the bounds of friction from the pressures; the largest change as a share of the largest bound. A node that did
-    /// not touch at the step's start bears none yet: its way before it touched is no slip.
-    fn renew_friction(&self, from: &State, state: &mut State) -> f64 {
-        let (mut change, mut largest) = (0.0f64, f64::MIN_POSITIVE);
-        let lists = from.traction.iter().zip(&mut state.traction);
-        for (contact, (before, list)) in self.problem.contacts.iter().zip(lists) {
-            let Grip::Coulomb(friction) = contact.grip else { continue };
-            for (before, traction) in before.iter().zip(list) {
-                let bound = if before.normal > 0.0 { friction * traction.normal.max(0.0) } else { 0.0 };
-                change = change.max((bound - traction.bound).abs());
-                largest = largest.max(bound);
-                traction.bound = bound;
-            }
-        }
-        change / largest
-    }
-
     /// Newton's method from the guess `start`, with slip counted from the state `from`.
-    fn round(&mut self, from: &State, start: &State, load: f64, seconds: f64) -> Result<State, StepError> {
+    fn balanced(&mut self, from: &State, start: &State, load: f64, seconds: f64) -> Result<State, StepError> {
         self.seconds = seconds;
         let before = self.problem.positions(from);
         let mut state = start.clone();
@@ -231,13 +199,22 @@ impl<'a> Solver<'a> {
         let first = self.iterations;
         let mut first_force = f64::INFINITY;
         let (mut best, mut stale) = (f64::INFINITY, 0);
+        let mut held: Vec<Hold> = Vec::new();
         for iteration in 0..ITERATIONS {
             let touches = self.touches(&state, &before);
-            let (systems, balance) = self.evaluate(&state, &touches)?;
+            let (systems, mut balance) = self.evaluate(&state, &touches)?;
+            let holds: Vec<Hold> = touches.iter().flat_map(|t| t.nodes.iter().map(|touch| touch.hold)).collect();
+            if std::env::var("NW_LOG").is_ok() {
+                let n = |h| holds.iter().filter(|x| **x == h).count();
+                eprintln!("load {load:.4} it {iteration} free {} stick {} slip {} settled {} force {:.2e} vol {:.2e} gap {:.2e}", n(Hold::Free), n(Hold::Sticks), n(Hold::Slips), balance.settled, balance.force, balance.volume, balance.gap);
+            }
+            // What was balanced for other grips is no measure of progress.
+            let same = std::mem::replace(&mut held, holds.clone()) == holds;
             last = balance;
             if balance.holds() {
                 return Ok(state);
             }
+            balance.settled &= same;
             let off = balance.force + balance.volume;
             if balance.settled {
                 first_force = first_force.min(balance.force.max(WORTH));
@@ -300,11 +277,19 @@ impl<'a> Solver<'a> {
             .map(|(contact, traction)| {
                 let pressure: Vec<f64> = traction.iter().map(|t| t.normal).collect();
                 let (gaps, stiffness) = contact.gaps(at, &pressure);
-                let held = traction.iter().zip(&contact.spring);
-                let touch = |(gap, (&now, &spring))| touch(contact.grip, gap, now, spring);
-                Touching { nodes: gaps.into_iter().zip(held).map(touch).collect(), stiffness }
+                let nodes = gaps.into_iter().zip(traction).enumerate();
+                let touch = |(k, (gap, &now))| {
+                    touch(contact.grip, gap, now, contact.spring[k], self.held(contact.nodes[k]))
+                };
+                Touching { nodes: nodes.map(touch).collect(), stiffness }
             })
             .collect()
+    }
+
+    /// Which displacements of a node are prescribed.
+    fn held(&self, node: u32) -> [bool; 3] {
+        let dim = self.problem.kinematics.dim();
+        [0, 1, 2].map(|axis| axis < dim && self.equation[node as usize * dim + axis] == HELD)
     }
 
     /// Moves a state along Newton's step, as far as no element turns inside out.

@@ -1,6 +1,7 @@
 //! Newton's linear system: residual, tangent, step.
 
-use super::touch::{Touching, moved, pushes, tangential};
+use super::krylov::gmres;
+use super::touch::{Hold, Touching, pushes};
 use super::{Balance, CHUNK, FLOOR_STRAIN, HELD, Solver, StepError};
 use crate::mechanics::element::quadrature;
 use crate::mechanics::problem::{Problem, State};
@@ -116,15 +117,14 @@ impl Solver<'_> {
                 matrix.values[place] += value;
             }
         };
-        for touch in touches.iter().flat_map(|t| &t.nodes).filter(|touch| touch.spring != [0.0; 2]) {
-            let projector = tangential(&touch.gap, touch.spring[0] > 0.0);
-            let [normal, along] = touch.spring.map(|spring| spring / touch.gap.area);
+        for touch in touches.iter().flat_map(|t| &t.nodes).filter(|touch| touch.hold != Hold::Free) {
+            let normal = touch.spring / touch.gap.area;
+            let along = touch.along.map(|row| row.map(|spring| spring / touch.gap.area));
             for (a, m, n) in &touch.gap.moved {
                 for (b, o, p) in &touch.gap.moved {
                     for i in 0..dim {
                         for j in 0..dim {
-                            let value = normal * n[i] * p[j] + along * m * o * projector[i][j];
-                            add(*a, i, *b, j, value);
+                            add(*a, i, *b, j, normal * n[i] * p[j] + m * o * along[i][j]);
                         }
                     }
                 }
@@ -168,31 +168,45 @@ impl Solver<'_> {
             (0..dim).for_each(|c| right[node as usize * dim + c] += state.load * force[c]);
         }
         for touch in touches.iter().flat_map(|t| &t.nodes) {
-            for (node, push) in pushes(touch, &touch.trial) {
+            // Prescribed motion of held nodes in contact moves the gap too.
+            for (node, push) in pushes(touch, &touch.stepped(&change, dim)) {
                 (0..dim).for_each(|c| right[node as usize * dim + c] += push[c]);
             }
-            // Prescribed motion of held nodes in contact moves the gap too.
-            let [normal, along] = touch.spring.map(|s| if touch.gap.area > 0.0 { s / touch.gap.area } else { 0.0 });
-            let (gap, offset) = moved(&touch.gap, &change, dim);
-            let projector = tangential(&touch.gap, touch.spring[0] > 0.0);
-            for (a, m, n) in &touch.gap.moved {
-                for i in 0..dim {
-                    let slip: f64 = (0..dim).map(|j| projector[i][j] * offset[j]).sum();
-                    right[*a as usize * dim + i] -= normal * n[i] * gap + along * m * slip;
-                }
+        }
+        let vector: Vec<f64> = self.free(&right);
+        let mut matrix = self.matrix.take().ok_or(SparseError::TooLarge)?;
+        let solved = matrix.factorize().map(|()| {
+            let dragged: Vec<_> = touches.iter().flat_map(|t| &t.nodes).filter(|t| t.drag != [0.0; 3]).collect();
+            if dragged.is_empty() {
+                let mut vector = vector;
+                matrix.solve(&mut vector);
+                return vector;
             }
-        }
-        let mut vector = vec![0.0; self.equations];
-        for (k, &e) in self.equation.iter().enumerate().filter(|(_, e)| **e != HELD) {
-            vector[e as usize] = right[k];
-        }
-        let matrix = self.matrix.as_mut().ok_or(SparseError::TooLarge)?;
-        matrix.factorize()?;
-        matrix.solve(&mut vector);
+            // The matrix lacks what the pressure does to friction, which is not symmetric.
+            let mut spread = vec![0.0; self.prescribed.len()];
+            gmres(vector, &mut |v| matrix.solve(v), &mut |v| {
+                self.equation.iter().zip(&mut spread).for_each(|(&e, s)| *s = v.get(e as usize).copied().unwrap_or(0.0));
+                let mut force = vec![0.0; self.prescribed.len()];
+                for touch in &dragged {
+                    let normal = touch.answer(&spread, dim).normal;
+                    for (a, m, _) in &touch.gap.moved {
+                        (0..dim).for_each(|i| force[*a as usize * dim + i] -= m * touch.drag[i] * normal);
+                    }
+                }
+                self.free(&force)
+            })
+        });
+        self.matrix = Some(matrix);
+        let vector = solved?;
         for (k, &e) in self.equation.iter().enumerate().filter(|(_, e)| **e != HELD) {
             change[k] = vector[e as usize];
         }
         Ok(change)
+    }
+
+    /// The free ones of all components.
+    fn free(&self, all: &[f64]) -> Vec<f64> {
+        all.iter().zip(&self.equation).filter(|(_, e)| **e != HELD).map(|(value, _)| *value).collect()
     }
 }
 
