@@ -8,6 +8,7 @@
 mod answers;
 mod extremes;
 mod faults;
+mod friction;
 mod inclusion;
 mod laws;
 mod locking;

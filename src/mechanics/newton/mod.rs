@@ -1,5 +1,6 @@
 //! Newton's method over displacement, pressure and contact traction.
 
+mod damping;
 mod krylov;
 mod system;
 mod touch;
@@ -9,8 +10,9 @@ use super::material::History;
 use super::problem::{Problem, State};
 use super::solid::{ElementSystem, advance_history, element_system, tangent_bulk_kpa};
 use super::sparse::{SparseCholesky, SparseError};
+use damping::Damping;
 use rayon::prelude::*;
-use system::{floor, unknowns};
+use system::{floor, own_stiffness, unknowns};
 use thiserror::Error;
 use touch::{Hold, Touching, touch};
 
@@ -25,6 +27,9 @@ pub struct Solver<'a> {
     tangent_bulk_kpa: f64,
     /// Forces of a strain of `FLOOR_STRAIN`, mN.
     floor: Vec<f64>,
+    /// Stiffness of each component's surroundings, mN/mm.
+    own_stiffness: Vec<f64>,
+    damping: Damping,
     /// Time of the present step, s.
     seconds: f64,
     /// Newton iterations so far.
@@ -44,8 +49,9 @@ const FLOOR_STRAIN: f64 = 1e-3;
 const VOLUME_TOLERANCE: f64 = 1e-9;
 /// Largest gap of nodes in contact and largest slip of sticking ones, mm.
 const GAP_TOLERANCE: f64 = 1e-8;
-/// Newton iterations of one load step.
-const ITERATIONS: usize = 40;
+/// Newton iterations of one load step, undamped and damped.
+const ITERATIONS: usize = 25;
+const DAMPED_ITERATIONS: usize = 120;
 /// Newton iterations without progress in a step before it is given up.
 const PATIENCE: usize = 5;
 /// Rise of the forces' residual above its least at which a step is given up, and the least that counts.
@@ -126,19 +132,22 @@ impl<'a> Solver<'a> {
             matrix: None,
             tangent_bulk_kpa: tangent_bulk_kpa(&problem.materials),
             floor: floor(problem),
+            own_stiffness: own_stiffness(problem),
+            damping: Damping::NONE,
             seconds: 0.0,
             iterations: 0,
             symbolic: 0,
         }
     }
 
-    /// The state at load factor `load` after the balanced state `from`, sought from `guess`.
+    /// The state at load factor `load` after the balanced state `from`, sought from `guess`. Where Newton's method fails and
+    /// `damped` allows, it is tried again with damping: slow, but it gets past loads at which the bodies snap.
     ///
     /// # Errors
     /// [`StepError`] where the step is too long or the structure unstable.
-    pub fn step(&mut self, from: &State, guess: &State, load: f64) -> Result<State, StepError> {
+    pub fn step(&mut self, from: &State, guess: &State, load: f64, damped: bool) -> Result<State, StepError> {
         let seconds = self.problem.seconds_per_load.map_or(f64::INFINITY, |s| s * (load - from.load).abs());
-        self.over(from, guess, load, seconds)
+        self.over(from, guess, load, seconds, damped)
     }
 
     /// The states' line, continued to a load; `None` where it turns an element inside out.
@@ -166,11 +175,17 @@ impl<'a> Solver<'a> {
     /// # Errors
     /// [`StepError`].
     pub fn hold(&mut self, from: &State, seconds: f64) -> Result<State, StepError> {
-        self.over(from, from, from.load, seconds)
+        self.over(from, from, from.load, seconds, true)
     }
 
-    fn over(&mut self, from: &State, guess: &State, load: f64, seconds: f64) -> Result<State, StepError> {
-        let mut state = self.balanced(from, guess, load, seconds)?;
+    fn over(&mut self, from: &State, guess: &State, load: f64, seconds: f64, damped: bool) -> Result<State, StepError> {
+        self.damping = Damping::NONE;
+        let mut found = self.balanced(from, guess, load, seconds, ITERATIONS);
+        if damped && matches!(found, Err(StepError::Diverged { .. } | StepError::InsideOut)) {
+            self.damping = Damping::START;
+            found = self.balanced(from, guess, load, seconds, DAMPED_ITERATIONS);
+        }
+        let mut state = found?;
         state.history = self.remember(&state, from, seconds).ok_or(StepError::InsideOut)?;
         Ok(state)
     }
@@ -190,26 +205,35 @@ impl<'a> Solver<'a> {
     }
 
     /// Newton's method from the guess `start`, with slip counted from the state `from`.
-    fn balanced(&mut self, from: &State, start: &State, load: f64, seconds: f64) -> Result<State, StepError> {
+    fn balanced(
+        &mut self,
+        from: &State,
+        start: &State,
+        load: f64,
+        seconds: f64,
+        iterations: usize,
+    ) -> Result<State, StepError> {
         self.seconds = seconds;
         let before = self.problem.positions(from);
         let mut state = start.clone();
         state.load = load;
+        let damped = self.damping != Damping::NONE;
         let mut last = Balance { force: f64::INFINITY, volume: 0.0, gap: 0.0, settled: false };
         let first = self.iterations;
         let mut first_force = f64::INFINITY;
         let (mut best, mut stale) = (f64::INFINITY, 0);
         let mut held: Vec<Hold> = Vec::new();
-        for iteration in 0..ITERATIONS {
+        for iteration in 0..iterations {
             let touches = self.touches(&state, &before);
             let (systems, mut balance) = self.evaluate(&state, &touches)?;
+            // What was balanced while nodes did something else is no measure of progress.
             let holds: Vec<Hold> = touches.iter().flat_map(|t| t.nodes.iter().map(|touch| touch.hold)).collect();
+            let same = held.is_empty() || held == holds;
             if std::env::var("NW_LOG").is_ok() {
                 let n = |h| holds.iter().filter(|x| **x == h).count();
-                eprintln!("load {load:.4} it {iteration} free {} stick {} slip {} settled {} force {:.2e} vol {:.2e} gap {:.2e}", n(Hold::Free), n(Hold::Sticks), n(Hold::Slips), balance.settled, balance.force, balance.volume, balance.gap);
+                eprintln!("load {load:.4} it {iteration} free {} stick {} slip {} settled {} force {:.2e} vol {:.2e} gap {:.2e} damp {:.2e}", n(Hold::Free), n(Hold::Sticks), n(Hold::Slips), balance.settled, balance.force, balance.volume, balance.gap, self.damping.share);
             }
-            // What was balanced for other grips is no measure of progress.
-            let same = std::mem::replace(&mut held, holds.clone()) == holds;
+            held = holds;
             last = balance;
             if balance.holds() {
                 return Ok(state);
@@ -218,12 +242,12 @@ impl<'a> Solver<'a> {
             let off = balance.force + balance.volume;
             if balance.settled {
                 first_force = first_force.min(balance.force.max(WORTH));
-                if iteration > 0 && balance.force > RISE * first_force {
+                if !damped && iteration > 0 && balance.force > RISE * first_force {
                     break;
                 }
             }
             // The first balance is that of the last step, and contacts that open or close are progress too.
-            if iteration == 0 || !balance.settled {
+            if damped || iteration == 0 || !balance.settled {
                 (best, stale) = (f64::INFINITY, 0);
             } else if off < 0.5 * best {
                 best = off;
@@ -232,6 +256,7 @@ impl<'a> Solver<'a> {
             } else {
                 break;
             }
+            self.damping.renew(balance.force, same);
             self.iterations += 1;
             let change = self.solve(&state, &systems, &touches)?;
             state = self.advance(&state, &systems, &touches, &change)?;

@@ -46,6 +46,13 @@ impl Solver<'_> {
             }
         }
         self.add_contacts(&mut matrix, touches);
+        if self.damping.share > 0.0 {
+            for (&e, stiffness) in self.equation.iter().zip(&self.own_stiffness).filter(|(e, _)| **e != HELD) {
+                if let Some(place) = matrix.position(e, e) {
+                    matrix.values[place] += self.damping.share * stiffness;
+                }
+            }
+        }
         self.matrix = Some(matrix);
         for &(node, force) in &problem.forces {
             for c in 0..dim {
@@ -210,21 +217,31 @@ impl Solver<'_> {
     }
 }
 
+/// Sum over elements of shear modulus, volume and squared gradient of each node's shape function, mN/mm.
+pub(super) fn own_stiffness(problem: &Problem) -> Vec<f64> {
+    gathered(problem, |gradient| gradient.iter().map(|g| g * g).sum())
+}
+
 /// Sum over elements of shear modulus, volume and gradient of each node's shape function, times `FLOOR_STRAIN`.
 pub(super) fn floor(problem: &Problem) -> Vec<f64> {
+    gathered(problem, |gradient| FLOOR_STRAIN * gradient.iter().map(|g| g * g).sum::<f64>().sqrt())
+}
+
+/// Sum over elements of shear modulus, volume and a size of the gradient of each node's shape function.
+fn gathered(problem: &Problem, size: impl Fn(&[f64; 3]) -> f64) -> Vec<f64> {
     let dim = problem.kinematics.dim();
-    let mut floor = vec![0.0; problem.mesh.nodes.len() * dim];
+    let mut sum = vec![0.0; problem.mesh.nodes.len() * dim];
     for e in 0..problem.mesh.element_count() {
         let nodes = problem.mesh.element_positions(e);
         let shear = problem.materials[problem.mesh.region[e] as usize].law.shear_kpa();
         for point in quadrature(dim).iter().filter_map(|at| problem.kinematics.point(&nodes, at)) {
             for (&a, gradient) in problem.mesh.element(e).iter().zip(&point.gradient) {
-                let size = FLOOR_STRAIN * shear * point.volume * gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
-                (0..dim).for_each(|c| floor[a as usize * dim + c] += size);
+                let here = shear * point.volume * size(gradient);
+                (0..dim).for_each(|c| sum[a as usize * dim + c] += here);
             }
         }
     }
-    floor
+    sum
 }
 
 /// Rows of the tangent's columns at held unknowns; the rest is in the matrix.
