@@ -60,3 +60,23 @@ pub(super) fn gmres(
 fn norm(v: &[f64]) -> f64 {
     v.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unsymmetric_system_is_solved() {
+        // A is diagonal, B couples each unknown with the next.
+        let diagonal = |k: usize| 1.0 + 0.3 * k as f64;
+        let rest = |v: &[f64]| -> Vec<f64> { (0..v.len()).map(|k| 0.5 * v.get(k + 1).unwrap_or(&0.0)).collect() };
+        let exact: Vec<f64> = (0..12).map(|k| f64::from(k).sin()).collect();
+        let right: Vec<f64> =
+            rest(&exact).iter().zip(&exact).enumerate().map(|(k, (r, x))| r + diagonal(k) * x).collect();
+        let solve = &mut |v: &mut [f64]| v.iter_mut().enumerate().for_each(|(k, v)| *v /= diagonal(k));
+        let found = gmres(right, solve, &mut |v| rest(v));
+        for (found, exact) in found.iter().zip(&exact) {
+            assert!((found - exact).abs() < 1e-8, "{found} {exact}");
+        }
+    }
+}

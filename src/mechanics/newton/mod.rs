@@ -5,7 +5,7 @@ mod krylov;
 mod system;
 mod touch;
 
-use super::contact::Positions;
+use super::contact::{Grip, Positions};
 use super::material::History;
 use super::problem::{Problem, State};
 use super::solid::{ElementSystem, advance_history, element_system, tangent_bulk_kpa};
@@ -120,10 +120,8 @@ impl<'a> Solver<'a> {
             prescribed[k] = support.displacement_mm;
             equation[k] = HELD;
         }
-        let mut equations = 0;
-        for e in equation.iter_mut().filter(|e| **e != HELD) {
-            *e = equations;
-            equations += 1;
+        for (number, e) in (0..).zip(equation.iter_mut().filter(|e| **e != HELD)) {
+            *e = number;
         }
         Self {
             problem,
@@ -181,7 +179,8 @@ impl<'a> Solver<'a> {
     fn over(&mut self, from: &State, guess: &State, load: f64, seconds: f64, damped: bool) -> Result<State, StepError> {
         self.damping = Damping::NONE;
         let mut found = self.balanced(from, guess, load, seconds, ITERATIONS);
-        if damped && matches!(found, Err(StepError::Diverged { .. } | StepError::InsideOut)) {
+        let slides = self.problem.contacts.iter().any(|contact| contact.grip != Grip::Bonded);
+        if damped && slides && matches!(found, Err(StepError::Diverged { .. } | StepError::InsideOut)) {
             self.damping = Damping::START;
             found = self.balanced(from, guess, load, seconds, DAMPED_ITERATIONS);
         }
@@ -229,10 +228,6 @@ impl<'a> Solver<'a> {
             // What was balanced while nodes did something else is no measure of progress.
             let holds: Vec<Hold> = touches.iter().flat_map(|t| t.nodes.iter().map(|touch| touch.hold)).collect();
             let same = held.is_empty() || held == holds;
-            if std::env::var("NW_LOG").is_ok() {
-                let n = |h| holds.iter().filter(|x| **x == h).count();
-                eprintln!("load {load:.4} it {iteration} free {} stick {} slip {} settled {} force {:.2e} vol {:.2e} gap {:.2e} damp {:.2e}", n(Hold::Free), n(Hold::Sticks), n(Hold::Slips), balance.settled, balance.force, balance.volume, balance.gap, self.damping.share);
-            }
             held = holds;
             last = balance;
             if balance.holds() {
@@ -303,9 +298,8 @@ impl<'a> Solver<'a> {
                 let pressure: Vec<f64> = traction.iter().map(|t| t.normal).collect();
                 let (gaps, stiffness) = contact.gaps(at, &pressure);
                 let nodes = gaps.into_iter().zip(traction).enumerate();
-                let touch = |(k, (gap, &now))| {
-                    touch(contact.grip, gap, now, contact.spring[k], self.held(contact.nodes[k]))
-                };
+                let touch =
+                    |(k, (gap, &now))| touch(contact.grip, gap, now, contact.spring[k], self.held(contact.nodes[k]));
                 Touching { nodes: nodes.map(touch).collect(), stiffness }
             })
             .collect()

@@ -192,7 +192,10 @@ impl Solver<'_> {
             // The matrix lacks what the pressure does to friction, which is not symmetric.
             let mut spread = vec![0.0; self.prescribed.len()];
             gmres(vector, &mut |v| matrix.solve(v), &mut |v| {
-                self.equation.iter().zip(&mut spread).for_each(|(&e, s)| *s = v.get(e as usize).copied().unwrap_or(0.0));
+                self.equation
+                    .iter()
+                    .zip(&mut spread)
+                    .for_each(|(&e, s)| *s = v.get(e as usize).copied().unwrap_or(0.0));
                 let mut force = vec![0.0; self.prescribed.len()];
                 for touch in &dragged {
                     let normal = touch.answer(&spread, dim).normal;

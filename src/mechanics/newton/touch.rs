@@ -3,6 +3,8 @@
 use crate::mechanics::contact::{Coupling, Grip, NodeGap, SPRING};
 use crate::mechanics::problem::Traction;
 
+type Tensor = [[f64; 3]; 3];
+
 /// A contact in a state.
 pub(super) struct Touching {
     pub nodes: Vec<Touch>,
@@ -21,7 +23,7 @@ pub(super) struct Touch {
     /// Spring against the normal gap, kPa per mm; 0 where free.
     pub spring: f64,
     /// Spring against slip (or any offset), kPa per mm; 0 where it is free.
-    pub along: [[f64; 3]; 3],
+    pub along: Tensor,
     /// Tangential traction for each kPa of pressure, where friction drags.
     pub drag: [f64; 3],
     /// What is left of the constraint, mm.
@@ -56,8 +58,6 @@ pub(super) fn moved(gap: &NodeGap, change: &[f64], dim: usize) -> (f64, [f64; 3]
     }
     (normal, offset)
 }
-
-type Tensor = [[f64; 3]; 3];
 
 fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|c| c * c).sum::<f64>().sqrt()
@@ -145,13 +145,15 @@ pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64, held: 
     // Slip across the traction turns it.
     let beside = across(direction);
     let turn = (soft * bound / excess).min(spring);
-    let along: Tensor = [0, 1, 2].map(|i| [0, 1, 2].map(|j| turn * (0..3).map(|k| face[i][k] * beside[k][j]).sum::<f64>()));
+    let entry = |i: usize, j: usize| turn * (0..3).map(|k| face[i][k] * beside[k][j]).sum::<f64>();
+    let along = [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)));
     let aside = apply(&along, offset);
     let slipping = |pressure: f64| drag.map(|c| c * pressure);
     let lag = length([0, 1, 2].map(|i| slipping(now.normal)[i] - now.vector[i]));
     let settled = touching.settled && lag <= 1e-6 * bound;
     let vector = slipping(pressed);
-    let trial = Traction { normal: pressed, vector: [0, 1, 2].map(|i| vector[i] - aside[i]), bound: friction * now.normal };
+    let trial =
+        Traction { normal: pressed, vector: [0, 1, 2].map(|i| vector[i] - aside[i]), bound: friction * now.normal };
     let now = Traction { normal: now.normal, vector: slipping(now.normal), bound: friction * now.normal };
     Touch { gap, hold: Hold::Slips, now, trial, along, drag, settled, ..touching }
 }
