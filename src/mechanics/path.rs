@@ -44,6 +44,8 @@ const SHORTEST: f64 = 1.0 / 1024.0;
 const GROWTH: [f64; 2] = [2.0, 1.25];
 /// Least number of steps where faces rub: the path matters there.
 const RUBBING_STEPS: f64 = 10.0;
+/// Steps, as a share of the longest asked one, that are tried with damping where they fail without. Longer ones are halved.
+const DAMPED_STEP: f64 = 0.13;
 /// What few iterations are.
 const EASY: usize = 6;
 
@@ -72,7 +74,8 @@ pub fn follow(
             let next = if state.load + 1.001 * step >= target { target } else { state.load + step };
             let iterations = solver.iterations;
             let guess = last.as_ref().and_then(|last| solver.extrapolated(last, &state, next));
-            match solver.step(&state, guess.as_ref().unwrap_or(&state), next) {
+            let damped = step <= DAMPED_STEP * whole;
+            match solver.step(&state, guess.as_ref().unwrap_or(&state), next, damped) {
                 Ok(balanced) => {
                     last = Some(std::mem::replace(&mut state, balanced));
                     step *= GROWTH[usize::from(solver.iterations - iterations > EASY)];

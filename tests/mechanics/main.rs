@@ -10,6 +10,7 @@ mod estimates;
 mod extreme_presses;
 mod extremes;
 mod faults;
+mod friction;
 mod inclusion;
 mod laws;
 mod locking;

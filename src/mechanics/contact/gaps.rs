@@ -46,7 +46,7 @@ impl Contact {
             let offset = if bonded {
                 subtract(apart(at.now), apart(at.reference))
             } else {
-                along_face(subtract(apart(at.now), apart(at.before)), meeting.normal)
+                along_face(subtract(apart(at.now), apart(at.before)), meeting.normal, self.kinematics.dim() - 1)
             };
             let mut load = 0.0;
             for (&k, &hat) in facet.iter().zip(&point.hat).filter(|(_, hat)| **hat != 0.0) {

@@ -127,8 +127,18 @@ impl Bend {
     }
 }
 
-/// Part of a vector along the face with this normal.
-pub fn along_face(vector: [f64; 3], normal: [f64; 3]) -> [f64; 3] {
-    let share = dot(vector, normal) / dot(normal, normal);
-    [0, 1, 2].map(|i| vector[i] - share * normal[i])
+/// Least cosine of a face's tilt at which faces approach along the axis and not along the normal.
+const LEAST_COSINE: f64 = 0.1;
+
+/// Part of a relative motion along the face with this normal. What closed the gap before the faces touched went along the
+/// axis `up` and is no slip; seen along a tilted normal it would be.
+pub fn along_face(motion: [f64; 3], normal: [f64; 3], up: usize) -> [f64; 3] {
+    let square = dot(normal, normal);
+    if normal[up].abs() < LEAST_COSINE * square.sqrt() {
+        let share = dot(motion, normal) / square;
+        return [0, 1, 2].map(|i| motion[i] - share * normal[i]);
+    }
+    let mut along = motion;
+    along[up] -= dot(motion, normal) / normal[up];
+    along
 }

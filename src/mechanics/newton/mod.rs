@@ -1,5 +1,7 @@
 //! Newton's method over displacement, pressure and contact traction.
 
+mod damping;
+mod krylov;
 mod system;
 mod touch;
 
@@ -8,23 +10,26 @@ use super::material::History;
 use super::problem::{Problem, State};
 use super::solid::{ElementSystem, advance_history, element_system, tangent_bulk_kpa};
 use super::sparse::{SparseCholesky, SparseError};
+use damping::Damping;
 use rayon::prelude::*;
-use system::{floor, unknowns};
+use system::{floor, own_stiffness, unknowns};
 use thiserror::Error;
-use touch::{Touching, touch};
+use touch::{Hold, Touching, touch};
 
 /// What a solver holds over many steps: numbering, pattern, factor.
 pub struct Solver<'a> {
     problem: &'a Problem,
     /// Equation of each displacement component; `HELD` where it is prescribed.
     equation: Vec<u32>,
-    equations: usize,
     /// Prescribed displacement of each component at load factor 1.
     prescribed: Vec<f64>,
     matrix: Option<SparseCholesky>,
     tangent_bulk_kpa: f64,
     /// Forces of a strain of `FLOOR_STRAIN`, mN.
     floor: Vec<f64>,
+    /// Stiffness of each component's surroundings, mN/mm.
+    own_stiffness: Vec<f64>,
+    damping: Damping,
     /// Time of the present step, s.
     seconds: f64,
     /// Newton iterations so far.
@@ -44,12 +49,9 @@ const FLOOR_STRAIN: f64 = 1e-3;
 const VOLUME_TOLERANCE: f64 = 1e-9;
 /// Largest gap of nodes in contact and largest slip of sticking ones, mm.
 const GAP_TOLERANCE: f64 = 1e-8;
-/// Newton iterations of one load step.
-const ITERATIONS: usize = 40;
-/// Rounds of friction in a step.
-const FRICTION_ROUNDS: usize = 30;
-/// Largest change of the friction's bound between rounds, as a share of its largest.
-const FRICTION_TOLERANCE: f64 = 1e-5;
+/// Newton iterations of one load step, undamped and damped.
+const ITERATIONS: usize = 25;
+const DAMPED_ITERATIONS: usize = 120;
 /// Newton iterations without progress in a step before it is given up.
 const PATIENCE: usize = 5;
 /// Rise of the forces' residual above its least at which a step is given up, and the least that counts.
@@ -77,9 +79,6 @@ pub enum StepError {
         /// Largest gap in contact, mm.
         gap: f64,
     },
-    /// The rounds of friction did not settle.
-    #[error("the friction does not settle")]
-    Friction,
     /// An element turned inside out however short the step.
     #[error("an element turns inside out")]
     InsideOut,
@@ -121,33 +120,32 @@ impl<'a> Solver<'a> {
             prescribed[k] = support.displacement_mm;
             equation[k] = HELD;
         }
-        let mut equations = 0;
-        for e in equation.iter_mut().filter(|e| **e != HELD) {
-            *e = equations;
-            equations += 1;
+        for (number, e) in (0..).zip(equation.iter_mut().filter(|e| **e != HELD)) {
+            *e = number;
         }
         Self {
             problem,
             equation,
-            equations: equations as usize,
             prescribed,
             matrix: None,
             tangent_bulk_kpa: tangent_bulk_kpa(&problem.materials),
             floor: floor(problem),
+            own_stiffness: own_stiffness(problem),
+            damping: Damping::NONE,
             seconds: 0.0,
             iterations: 0,
             symbolic: 0,
         }
     }
 
-    /// The state at load factor `load` after the balanced state `from`, sought from `guess`. Friction is found in rounds: each bears what the pressures of
-    /// the last one allow.
+    /// The state at load factor `load` after the balanced state `from`, sought from `guess`. Where Newton's method fails and
+    /// `damped` allows, it is tried again with damping: slow, but it gets past loads at which the bodies snap.
     ///
     /// # Errors
     /// [`StepError`] where the step is too long or the structure unstable.
-    pub fn step(&mut self, from: &State, guess: &State, load: f64) -> Result<State, StepError> {
+    pub fn step(&mut self, from: &State, guess: &State, load: f64, damped: bool) -> Result<State, StepError> {
         let seconds = self.problem.seconds_per_load.map_or(f64::INFINITY, |s| s * (load - from.load).abs());
-        self.over(from, guess, load, seconds)
+        self.over(from, guess, load, seconds, damped)
     }
 
     /// The states' line, continued to a load; `None` where it turns an element inside out.
@@ -175,19 +173,20 @@ impl<'a> Solver<'a> {
     /// # Errors
     /// [`StepError`].
     pub fn hold(&mut self, from: &State, seconds: f64) -> Result<State, StepError> {
-        self.over(from, from, from.load, seconds)
+        self.over(from, from, from.load, seconds, true)
     }
 
-    fn over(&mut self, from: &State, guess: &State, load: f64, seconds: f64) -> Result<State, StepError> {
-        let mut state = self.round(from, guess, load, seconds)?;
-        for _ in 0..FRICTION_ROUNDS {
-            if self.renew_friction(from, &mut state) <= FRICTION_TOLERANCE {
-                state.history = self.remember(&state, from, seconds).ok_or(StepError::InsideOut)?;
-                return Ok(state);
-            }
-            state = self.round(from, &state, load, seconds)?;
+    fn over(&mut self, from: &State, guess: &State, load: f64, seconds: f64, damped: bool) -> Result<State, StepError> {
+        self.damping = Damping::NONE;
+        let mut found = self.balanced(from, guess, load, seconds, ITERATIONS);
+        let slides = self.problem.contacts.iter().any(|contact| contact.grip != Grip::Bonded);
+        if damped && slides && matches!(found, Err(StepError::Diverged { .. } | StepError::InsideOut)) {
+            self.damping = Damping::START;
+            found = self.balanced(from, guess, load, seconds, DAMPED_ITERATIONS);
         }
-        Err(StepError::Friction)
+        let mut state = found?;
+        state.history = self.remember(&state, from, seconds).ok_or(StepError::InsideOut)?;
+        Ok(state)
     }
 
     /// Memory of the materials at the end of a step.
@@ -204,49 +203,46 @@ impl<'a> Solver<'a> {
         from.history.iter().enumerate().map(advance).collect()
     }
 
-    /// Sets the bounds of friction from the pressures; the largest change as a share of the largest bound. A node that did
-    /// not touch at the step's start bears none yet: its way before it touched is no slip.
-    fn renew_friction(&self, from: &State, state: &mut State) -> f64 {
-        let (mut change, mut largest) = (0.0f64, f64::MIN_POSITIVE);
-        let lists = from.traction.iter().zip(&mut state.traction);
-        for (contact, (before, list)) in self.problem.contacts.iter().zip(lists) {
-            let Grip::Coulomb(friction) = contact.grip else { continue };
-            for (before, traction) in before.iter().zip(list) {
-                let bound = if before.normal > 0.0 { friction * traction.normal.max(0.0) } else { 0.0 };
-                change = change.max((bound - traction.bound).abs());
-                largest = largest.max(bound);
-                traction.bound = bound;
-            }
-        }
-        change / largest
-    }
-
     /// Newton's method from the guess `start`, with slip counted from the state `from`.
-    fn round(&mut self, from: &State, start: &State, load: f64, seconds: f64) -> Result<State, StepError> {
+    fn balanced(
+        &mut self,
+        from: &State,
+        start: &State,
+        load: f64,
+        seconds: f64,
+        iterations: usize,
+    ) -> Result<State, StepError> {
         self.seconds = seconds;
         let before = self.problem.positions(from);
         let mut state = start.clone();
         state.load = load;
+        let damped = self.damping != Damping::NONE;
         let mut last = Balance { force: f64::INFINITY, volume: 0.0, gap: 0.0, settled: false };
         let first = self.iterations;
         let mut first_force = f64::INFINITY;
         let (mut best, mut stale) = (f64::INFINITY, 0);
-        for iteration in 0..ITERATIONS {
+        let mut held: Vec<Hold> = Vec::new();
+        for iteration in 0..iterations {
             let touches = self.touches(&state, &before);
-            let (systems, balance) = self.evaluate(&state, &touches)?;
+            let (systems, mut balance) = self.evaluate(&state, &touches)?;
+            // What was balanced while nodes did something else is no measure of progress.
+            let holds: Vec<Hold> = touches.iter().flat_map(|t| t.nodes.iter().map(|touch| touch.hold)).collect();
+            let same = held.is_empty() || held == holds;
+            held = holds;
             last = balance;
             if balance.holds() {
                 return Ok(state);
             }
+            balance.settled &= same;
             let off = balance.force + balance.volume;
             if balance.settled {
                 first_force = first_force.min(balance.force.max(WORTH));
-                if iteration > 0 && balance.force > RISE * first_force {
+                if !damped && iteration > 0 && balance.force > RISE * first_force {
                     break;
                 }
             }
             // The first balance is that of the last step, and contacts that open or close are progress too.
-            if iteration == 0 || !balance.settled {
+            if damped || iteration == 0 || !balance.settled {
                 (best, stale) = (f64::INFINITY, 0);
             } else if off < 0.5 * best {
                 best = off;
@@ -255,6 +251,7 @@ impl<'a> Solver<'a> {
             } else {
                 break;
             }
+            self.damping.renew(balance.force, same);
             self.iterations += 1;
             let change = self.solve(&state, &systems, &touches)?;
             state = self.advance(&state, &systems, &touches, &change)?;
@@ -300,11 +297,18 @@ impl<'a> Solver<'a> {
             .map(|(contact, traction)| {
                 let pressure: Vec<f64> = traction.iter().map(|t| t.normal).collect();
                 let (gaps, stiffness) = contact.gaps(at, &pressure);
-                let held = traction.iter().zip(&contact.spring);
-                let touch = |(gap, (&now, &spring))| touch(contact.grip, gap, now, spring);
-                Touching { nodes: gaps.into_iter().zip(held).map(touch).collect(), stiffness }
+                let nodes = gaps.into_iter().zip(traction).enumerate();
+                let touch =
+                    |(k, (gap, &now))| touch(contact.grip, gap, now, contact.spring[k], self.held(contact.nodes[k]));
+                Touching { nodes: nodes.map(touch).collect(), stiffness }
             })
             .collect()
+    }
+
+    /// Which displacements of a node are prescribed.
+    fn held(&self, node: u32) -> [bool; 3] {
+        let dim = self.problem.kinematics.dim();
+        [0, 1, 2].map(|axis| axis < dim && self.equation[node as usize * dim + axis] == HELD)
     }
 
     /// Moves a state along Newton's step, as far as no element turns inside out.

@@ -1,6 +1,7 @@
 //! Newton's linear system: residual, tangent, step.
 
-use super::touch::{Touching, moved, pushes, tangential};
+use super::krylov::gmres;
+use super::touch::{Hold, Touching, pushes};
 use super::{Balance, CHUNK, FLOOR_STRAIN, HELD, Solver, StepError};
 use crate::mechanics::element::quadrature;
 use crate::mechanics::problem::{Problem, State};
@@ -45,6 +46,13 @@ impl Solver<'_> {
             }
         }
         self.add_contacts(&mut matrix, touches);
+        if self.damping.share > 0.0 {
+            for (&e, stiffness) in self.equation.iter().zip(&self.own_stiffness).filter(|(e, _)| **e != HELD) {
+                if let Some(place) = matrix.position(e, e) {
+                    matrix.values[place] += self.damping.share * stiffness;
+                }
+            }
+        }
         self.matrix = Some(matrix);
         for &(node, force) in &problem.forces {
             for c in 0..dim {
@@ -116,15 +124,14 @@ impl Solver<'_> {
                 matrix.values[place] += value;
             }
         };
-        for touch in touches.iter().flat_map(|t| &t.nodes).filter(|touch| touch.spring != [0.0; 2]) {
-            let projector = tangential(&touch.gap, touch.spring[0] > 0.0);
-            let [normal, along] = touch.spring.map(|spring| spring / touch.gap.area);
+        for touch in touches.iter().flat_map(|t| &t.nodes).filter(|touch| touch.hold != Hold::Free) {
+            let normal = touch.spring / touch.gap.area;
+            let along = touch.along.map(|row| row.map(|spring| spring / touch.gap.area));
             for (a, m, n) in &touch.gap.moved {
                 for (b, o, p) in &touch.gap.moved {
                     for i in 0..dim {
                         for j in 0..dim {
-                            let value = normal * n[i] * p[j] + along * m * o * projector[i][j];
-                            add(*a, i, *b, j, value);
+                            add(*a, i, *b, j, normal * n[i] * p[j] + m * o * along[i][j]);
                         }
                     }
                 }
@@ -168,49 +175,76 @@ impl Solver<'_> {
             (0..dim).for_each(|c| right[node as usize * dim + c] += state.load * force[c]);
         }
         for touch in touches.iter().flat_map(|t| &t.nodes) {
-            for (node, push) in pushes(touch, &touch.trial) {
+            // Prescribed motion of held nodes in contact moves the gap too.
+            for (node, push) in pushes(touch, &touch.stepped(&change, dim)) {
                 (0..dim).for_each(|c| right[node as usize * dim + c] += push[c]);
             }
-            // Prescribed motion of held nodes in contact moves the gap too.
-            let [normal, along] = touch.spring.map(|s| if touch.gap.area > 0.0 { s / touch.gap.area } else { 0.0 });
-            let (gap, offset) = moved(&touch.gap, &change, dim);
-            let projector = tangential(&touch.gap, touch.spring[0] > 0.0);
-            for (a, m, n) in &touch.gap.moved {
-                for i in 0..dim {
-                    let slip: f64 = (0..dim).map(|j| projector[i][j] * offset[j]).sum();
-                    right[*a as usize * dim + i] -= normal * n[i] * gap + along * m * slip;
-                }
+        }
+        let vector: Vec<f64> = self.free(&right);
+        let mut matrix = self.matrix.take().ok_or(SparseError::TooLarge)?;
+        let solved = matrix.factorize().map(|()| {
+            let dragged: Vec<_> = touches.iter().flat_map(|t| &t.nodes).filter(|t| t.drag != [0.0; 3]).collect();
+            if dragged.is_empty() {
+                let mut vector = vector;
+                matrix.solve(&mut vector);
+                return vector;
             }
-        }
-        let mut vector = vec![0.0; self.equations];
-        for (k, &e) in self.equation.iter().enumerate().filter(|(_, e)| **e != HELD) {
-            vector[e as usize] = right[k];
-        }
-        let matrix = self.matrix.as_mut().ok_or(SparseError::TooLarge)?;
-        matrix.factorize()?;
-        matrix.solve(&mut vector);
+            // The matrix lacks what the pressure does to friction, which is not symmetric.
+            let mut spread = vec![0.0; self.prescribed.len()];
+            gmres(vector, &mut |v| matrix.solve(v), &mut |v| {
+                self.equation
+                    .iter()
+                    .zip(&mut spread)
+                    .for_each(|(&e, s)| *s = v.get(e as usize).copied().unwrap_or(0.0));
+                let mut force = vec![0.0; self.prescribed.len()];
+                for touch in &dragged {
+                    let normal = touch.answer(&spread, dim).normal;
+                    for (a, m, _) in &touch.gap.moved {
+                        (0..dim).for_each(|i| force[*a as usize * dim + i] -= m * touch.drag[i] * normal);
+                    }
+                }
+                self.free(&force)
+            })
+        });
+        self.matrix = Some(matrix);
+        let vector = solved?;
         for (k, &e) in self.equation.iter().enumerate().filter(|(_, e)| **e != HELD) {
             change[k] = vector[e as usize];
         }
         Ok(change)
     }
+
+    /// The free ones of all components.
+    fn free(&self, all: &[f64]) -> Vec<f64> {
+        all.iter().zip(&self.equation).filter(|(_, e)| **e != HELD).map(|(value, _)| *value).collect()
+    }
+}
+
+/// Sum over elements of shear modulus, volume and squared gradient of each node's shape function, mN/mm.
+pub(super) fn own_stiffness(problem: &Problem) -> Vec<f64> {
+    gathered(problem, |gradient| gradient.iter().map(|g| g * g).sum())
 }
 
 /// Sum over elements of shear modulus, volume and gradient of each node's shape function, times `FLOOR_STRAIN`.
 pub(super) fn floor(problem: &Problem) -> Vec<f64> {
+    gathered(problem, |gradient| FLOOR_STRAIN * gradient.iter().map(|g| g * g).sum::<f64>().sqrt())
+}
+
+/// Sum over elements of shear modulus, volume and a size of the gradient of each node's shape function.
+fn gathered(problem: &Problem, size: impl Fn(&[f64; 3]) -> f64) -> Vec<f64> {
     let dim = problem.kinematics.dim();
-    let mut floor = vec![0.0; problem.mesh.nodes.len() * dim];
+    let mut sum = vec![0.0; problem.mesh.nodes.len() * dim];
     for e in 0..problem.mesh.element_count() {
         let nodes = problem.mesh.element_positions(e);
         let shear = problem.materials[problem.mesh.region[e] as usize].law.shear_kpa();
         for point in quadrature(dim).iter().filter_map(|at| problem.kinematics.point(&nodes, at)) {
             for (&a, gradient) in problem.mesh.element(e).iter().zip(&point.gradient) {
-                let size = FLOOR_STRAIN * shear * point.volume * gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
-                (0..dim).for_each(|c| floor[a as usize * dim + c] += size);
+                let here = shear * point.volume * size(gradient);
+                (0..dim).for_each(|c| sum[a as usize * dim + c] += here);
             }
         }
     }
-    floor
+    sum
 }
 
 /// Rows of the tangent's columns at held unknowns; the rest is in the matrix.

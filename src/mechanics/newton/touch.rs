@@ -3,6 +3,8 @@
 use crate::mechanics::contact::{Coupling, Grip, NodeGap, SPRING};
 use crate::mechanics::problem::Traction;
 
+type Tensor = [[f64; 3]; 3];
+
 /// A contact in a state.
 pub(super) struct Touching {
     pub nodes: Vec<Touch>,
@@ -13,15 +15,29 @@ pub(super) struct Touching {
 /// What a touched node does in a state.
 pub(super) struct Touch {
     pub gap: NodeGap,
+    pub hold: Hold,
     /// Traction that the residual uses.
     pub now: Traction,
-    /// Traction that the next step starts from: with the spring's share.
+    /// Traction that the next step starts from: with the springs' share.
     pub trial: Traction,
-    /// Spring against the normal gap and against slip (or any offset), kPa per mm; 0 where free.
-    pub spring: [f64; 2],
+    /// Spring against the normal gap, kPa per mm; 0 where free.
+    pub spring: f64,
+    /// Spring against slip (or any offset), kPa per mm; 0 where it is free.
+    pub along: Tensor,
+    /// Tangential traction for each kPa of pressure, where friction drags.
+    pub drag: [f64; 3],
     /// What is left of the constraint, mm.
     pub defect: f64,
     pub settled: bool,
+}
+
+/// What a touched node does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Hold {
+    Free,
+    Bonded,
+    Sticks,
+    Slips,
 }
 
 /// What the traction of a touched node does to the nodes that move its gap.
@@ -43,67 +59,124 @@ pub(super) fn moved(gap: &NodeGap, change: &[f64], dim: usize) -> (f64, [f64; 3]
     (normal, offset)
 }
 
-/// Projector on the face where slip is tangential; the identity for bonded faces.
-pub(super) fn tangential(gap: &NodeGap, unilateral: bool) -> [[f64; 3]; 3] {
-    let square: f64 = gap.normal.iter().map(|n| n * n).sum();
-    let keep =
-        |i: usize, j: usize| if unilateral && square > 0.0 { gap.normal[i] * gap.normal[j] / square } else { 0.0 };
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+fn apply(matrix: &Tensor, v: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| (0..3).map(|j| matrix[i][j] * v[j]).sum())
+}
+
+fn scaled(matrix: &Tensor, by: f64) -> Tensor {
+    matrix.map(|row| row.map(|c| by * c))
+}
+
+/// The identity less the direction of `normal`.
+fn across(normal: [f64; 3]) -> Tensor {
+    let square: f64 = normal.iter().map(|n| n * n).sum();
+    let keep = |i: usize, j: usize| if square > 0.0 { normal[i] * normal[j] / square } else { 0.0 };
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| f64::from(i == j) - keep(i, j)))
 }
 
+/// Projector on the face, along the axes that are not held.
+fn open_face(normal: [f64; 3], held: [bool; 3]) -> Tensor {
+    let projector = across([0, 1, 2].map(|i| if held[i] { 0.0 } else { normal[i] }));
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| if held[i] || held[j] { 0.0 } else { projector[i][j] }))
+}
+
 /// Decides what a node does: bonded, free, sticking or slipping.
-pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64) -> Touch {
+///
+/// Coulomb's law is a part of Newton's method (Alart and Curnier 1991; Hueeber and Wohlmuth 2005): a node slips where its
+/// traction, less a body-like spring times the slip, exceeds friction times the pressure; it then bears friction times the
+/// pressure *of the next state*, and in three dimensions its direction turns with the slip. Along the axes that are `held`,
+/// as on a plane of symmetry, faces do not rub: neighbours would hold such a node's mean slip once more.
+pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64, held: [bool; 3]) -> Touch {
+    let free = |settled| Touch {
+        gap: NodeGap::default(),
+        hold: Hold::Free,
+        now: Traction::default(),
+        trial: Traction::default(),
+        spring: 0.0,
+        along: [[0.0; 3]; 3],
+        drag: [0.0; 3],
+        defect: 0.0,
+        settled,
+    };
     if gap.area <= 0.0 {
-        let free = Traction::default();
-        return Touch { gap, now: free, trial: free, spring: [0.0; 2], defect: 0.0, settled: now.normal == 0.0 };
+        return Touch { gap, ..free(now.normal == 0.0) };
     }
     let offset = gap.offset.map(|o| o / gap.area);
-    let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let pulled = [0, 1, 2].map(|i| now.vector[i] - spring * offset[i]);
+    let pulled = |spring: f64| [0, 1, 2].map(|i| now.vector[i] - spring * offset[i]);
     if grip == Grip::Bonded {
-        let trial = Traction { vector: pulled, ..Traction::default() };
-        return Touch { gap, now, trial, spring: [0.0, spring], defect: length(offset), settled: true };
+        let trial = Traction { vector: pulled(spring), ..Traction::default() };
+        let along = scaled(&across([0.0; 3]), spring);
+        return Touch { gap, hold: Hold::Bonded, now, trial, along, defect: length(offset), ..free(true) };
     }
     let mean = gap.gap / gap.area;
-    let pressed = now.normal - spring * mean;
     // What decides is a spring as stiff as the body: a stiffer one would let go at each curved step.
-    if now.normal - spring / SPRING * mean <= 0.0 {
-        let free = Traction { bound: now.bound, ..Traction::default() };
-        return Touch { gap, now: free, trial: free, spring: [0.0; 2], defect: 0.0, settled: now.normal <= 0.0 };
+    let soft = spring / SPRING;
+    let pressure = now.normal - soft * mean;
+    if pressure <= 0.0 {
+        return Touch { gap, ..free(now.normal <= 0.0) };
     }
-    let settled = now.normal > 0.0;
-    let bound = now.bound;
-    if bound == 0.0 {
+    let touching = Touch { spring, defect: mean.abs(), ..free(now.normal > 0.0) };
+    let pressed = now.normal - spring * mean;
+    // The gap's gradient is longer than 1 on a sloping profile, and so is the normal traction than the pressure.
+    let friction = match grip {
+        Grip::Coulomb(friction) => friction * length(gap.normal) / gap.area,
+        Grip::Bonded | Grip::Frictionless => 0.0,
+    };
+    if friction == 0.0 {
         let now = Traction { normal: now.normal, ..Traction::default() };
         let trial = Traction { normal: pressed, ..now };
-        return Touch { gap, now, trial, spring: [spring, 0.0], defect: mean.abs(), settled };
+        return Touch { gap, hold: Hold::Slips, now, trial, ..touching };
     }
-    let soft = [0, 1, 2].map(|i| now.vector[i] - spring / SPRING * offset[i]);
-    let pull = length(soft);
-    if pull <= bound {
-        let trial = Traction { normal: pressed, vector: pulled, bound };
-        let defect = mean.abs().max(length(offset));
-        return Touch { gap, now, trial, spring: [spring, spring], defect, settled };
+    let face = open_face(gap.normal, held);
+    let (bound, pull) = (friction * pressure, apply(&face, pulled(soft)));
+    let excess = length(pull) - bound;
+    if excess <= 0.0 {
+        let now = Traction { vector: apply(&face, now.vector), bound: friction * now.normal, ..now };
+        let trial = Traction { normal: pressed, vector: apply(&face, pulled(spring)), ..now };
+        let (defect, along) = (mean.abs().max(length(apply(&face, offset))), scaled(&face, spring));
+        return Touch { gap, hold: Hold::Sticks, now, trial, along, defect, ..touching };
     }
-    let slipping = soft.map(|c| c * bound / pull);
-    let lag = length([0, 1, 2].map(|i| slipping[i] - now.vector[i]));
-    let settled = settled && lag <= 1e-6 * bound;
-    let now = Traction { normal: now.normal, vector: slipping, bound };
-    let trial = Traction { normal: pressed, ..now };
-    Touch { gap, now, trial, spring: [spring, 0.0], defect: mean.abs(), settled }
+    let direction = pull.map(|c| c / length(pull));
+    let drag = direction.map(|c| friction * c);
+    // Slip across the traction turns it.
+    let beside = across(direction);
+    let turn = (soft * bound / excess).min(spring);
+    let entry = |i: usize, j: usize| turn * (0..3).map(|k| face[i][k] * beside[k][j]).sum::<f64>();
+    let along = [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)));
+    let aside = apply(&along, offset);
+    let slipping = |pressure: f64| drag.map(|c| c * pressure);
+    let lag = length([0, 1, 2].map(|i| slipping(now.normal)[i] - now.vector[i]));
+    let settled = touching.settled && lag <= 1e-6 * bound;
+    let vector = slipping(pressed);
+    let trial =
+        Traction { normal: pressed, vector: [0, 1, 2].map(|i| vector[i] - aside[i]), bound: friction * now.normal };
+    let now = Traction { normal: now.normal, vector: slipping(now.normal), bound: friction * now.normal };
+    Touch { gap, hold: Hold::Slips, now, trial, along, drag, settled, ..touching }
 }
 
 impl Touch {
     /// Traction after a full Newton step.
     pub fn stepped(&self, change: &[f64], dim: usize) -> Traction {
-        let (gap, offset) = moved(&self.gap, change, dim);
-        let [normal, along] = self.spring.map(|s| if self.gap.area > 0.0 { s / self.gap.area } else { 0.0 });
-        let projector = tangential(&self.gap, self.spring[0] > 0.0);
         let mut next = self.trial;
-        next.normal -= normal * gap;
-        for i in 0..dim {
-            next.vector[i] -= along * (0..dim).map(|j| projector[i][j] * offset[j]).sum::<f64>();
-        }
+        let answer = self.answer(change, dim);
+        next.normal += answer.normal;
+        (0..3).for_each(|i| next.vector[i] += answer.vector[i]);
         next
+    }
+
+    /// Change of the traction with a motion.
+    pub fn answer(&self, change: &[f64], dim: usize) -> Traction {
+        if self.hold == Hold::Free {
+            return Traction::default();
+        }
+        let (gap, offset) = moved(&self.gap, change, dim);
+        let normal = -self.spring * gap / self.gap.area;
+        let along = apply(&self.along, offset);
+        let vector = [0, 1, 2].map(|i| self.drag[i] * normal - along[i] / self.gap.area);
+        Traction { normal, vector, bound: 0.0 }
     }
 }
