@@ -100,8 +100,10 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
         },
         phantom_materials: elastics.map(material).collect::<Result<Vec<_>, _>>()?,
         sensor: match press.sensor {
-            PressedSensor::Rigid => SensorBody::Rigid { edge_radius_mm: press.edge_radius_mm },
-            PressedSensor::Deformable => SensorBody::Layers(soft_layers(&scene.stack)?),
+            PressedSensor::Rigid => SensorBody::Rigid { edge_radius_mm: press.edge_radius_mm() },
+            PressedSensor::Deformable => {
+                SensorBody::Layers { layers: soft_layers(&scene.stack)?, edge_radius_mm: press.edge_radius_mm() }
+            },
         },
         grip: match press.interface {
             Interface::Tied => Grip::Bonded,

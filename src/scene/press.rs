@@ -18,8 +18,9 @@ pub struct Press {
     pub footprint: Option<Face>,
     /// What happens along the touching faces. Default: `frictionless`.
     pub interface: Interface,
-    /// Rounding of a rigid sensor's edge, mm; unused where the sensor is deformable or tied. Default: 0.5.
-    pub edge_radius_mm: f64,
+    /// Radius of the rim of the sensor's touched face, mm; 0 is sharp. Absent: 0 where tied, 0.5 where faces slide, because a
+    /// sharp rim that slides is singular (and none that is moulded is sharp). A rigid sensor that is tied has none.
+    pub edge_radius_mm: Option<f64>,
     /// Dimensions of the finite elements. Default: `auto`.
     pub dimensions: Dimensions,
     /// Fineness of the mesh: 2 halves the size of all elements. Default: 1.
@@ -32,6 +33,9 @@ pub struct Press {
     pub hold_s: f64,
 }
 
+/// Radius of the rim where faces slide and nothing is said, mm: an edge broken as moulds' are.
+const SLIDING_EDGE_RADIUS_MM: f64 = 0.5;
+
 impl Default for Press {
     fn default() -> Self {
         Self {
@@ -40,7 +44,7 @@ impl Default for Press {
             sensor: PressedSensor::default(),
             footprint: None,
             interface: Interface::default(),
-            edge_radius_mm: 0.5,
+            edge_radius_mm: None,
             dimensions: Dimensions::default(),
             resolution: 1.0,
             estimate_error: true,
@@ -110,6 +114,12 @@ impl Press {
     /// The face of the sensor that the phantom can touch.
     pub fn face(&self, stack: &Stack) -> Face {
         self.footprint.unwrap_or(Face::Rectangle { half_widths_mm: stack.footprint_mm.map(|extent| extent / 2.0) })
+    }
+
+    /// Radius of the rim of the sensor's touched face, mm.
+    pub fn edge_radius_mm(&self) -> f64 {
+        let sliding = if self.interface == Interface::Tied { 0.0 } else { SLIDING_EDGE_RADIUS_MM };
+        self.edge_radius_mm.unwrap_or(sliding)
     }
 
     /// Why the press cannot be computed in two dimensions; `None` where phantom, inclusions and touched face are bodies

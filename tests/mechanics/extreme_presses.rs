@@ -29,7 +29,10 @@ fn setup(ball: Option<(f64, f64, f64)>, poisson: f64) -> Setup {
             resolution: Resolution::PLANE.halved(),
         },
         phantom_materials: std::iter::once(5.0).chain(ball.map(|(.., k)| 5.0 * k)).map(material).collect(),
-        sensor: SensorBody::Layers([(5.0, 15.0), (3.0, 30.0), (2.0, 60.0)].map(|(h, e)| (h, material(e))).to_vec()),
+        sensor: SensorBody::Layers {
+            layers: [(5.0, 15.0), (3.0, 30.0), (2.0, 60.0)].map(|(h, e)| (h, material(e))).to_vec(),
+            edge_radius_mm: 0.0,
+        },
         grip: Grip::Bonded,
         load: Load::Depths(vec![1.0]),
         seconds_per_mm: None,

@@ -84,7 +84,7 @@ fn sensor_press(kinematics: Kinematics, phantom: PhantomMesh, layer_mm: f64, dep
         kinematics,
         phantom,
         phantom_materials: vec![soft()],
-        sensor: SensorBody::Layers(vec![(layer_mm, soft())]),
+        sensor: SensorBody::Layers { layers: vec![(layer_mm, soft())], edge_radius_mm: 0.0 },
         grip: Grip::Frictionless,
         load: Load::Depths(vec![depth]),
         seconds_per_mm: None,

@@ -7,6 +7,7 @@
 mod boxes;
 mod builder;
 mod error;
+mod fillet;
 mod inclusion;
 mod lines;
 mod ogrid;
@@ -21,6 +22,7 @@ mod tests;
 
 pub use builder::MOST_ELEMENTS;
 pub use error::MeshError;
+pub use fillet::rim_size_mm;
 pub use inclusion::{InclusionShape, Star};
 pub use lines::Lines;
 pub use phantom::{Footprint, PhantomMesh, PhantomShape};

@@ -2,6 +2,7 @@
 
 use super::builder::{Builder, between_planes};
 use super::error::positive;
+use super::fillet::Fillet;
 use super::lines::Grading;
 use super::{Footprint, Lines, Mesh, MeshError, PhantomMesh, PhantomShape, Resolution};
 
@@ -16,6 +17,8 @@ pub struct SensorMesh {
     pub symmetry: [bool; 2],
     /// Size of elements.
     pub resolution: Resolution,
+    /// Radius of the touched face's rim, mm; 0 where it is sharp.
+    pub edge_radius_mm: f64,
 }
 
 impl SensorMesh {
@@ -33,9 +36,15 @@ impl SensorMesh {
             return Err(MeshError::NoSharedEdge { edge_mm: edge });
         }
         let base = heights.0.first().copied().unwrap_or(0.0);
+        let fillet = self.fillet();
+        let lines = fillet.map_or(lines.clone(), |fillet| fillet.aligned(lines, edge));
         let mut builder = Builder::new(2);
         builder.add_grid(&[lines, heights], |cell| regions.get(cell[1]).copied())?;
-        builder.finish(between_planes(2, 0.0, base, self.symmetry))
+        let mut mesh = builder.finish(between_planes(2, 0.0, base, self.symmetry))?;
+        if let Some(fillet) = fillet {
+            fillet.round(&mut mesh, self.footprint)?;
+        }
+        Ok(mesh)
     }
 
     /// The mesh of hexahedra, as [`Self::build_2d`].
@@ -60,6 +69,11 @@ impl SensorMesh {
     /// The same sensor with elements of twice the size.
     pub fn halved(&self) -> Self {
         Self { resolution: self.resolution.halved(), ..self.clone() }
+    }
+
+    fn fillet(&self) -> Option<Fillet> {
+        let layer_mm = self.layers_mm.last().copied()?;
+        (self.edge_radius_mm > 0.0).then_some(Fillet { radius_mm: self.edge_radius_mm, layer_mm })
     }
 
     /// A body of the sensor's own outline, pressed all over, for its lines.

@@ -36,7 +36,8 @@ impl Assembly {
             return Err(PressError::Unsupported(message));
         }
         let flat = setup.kinematics != Kinematics::ThreeDimensional;
-        let phantom = if flat { setup.phantom.build_2d()? } else { setup.phantom.build_3d()? };
+        let body = setup.body();
+        let phantom = if flat { body.build_2d()? } else { body.build_3d()? };
         let (phantom_nodes, phantom_elements) = (phantom.nodes.len(), phantom.element_count());
         let mut materials = setup.phantom_materials.clone();
         let mut bodies = vec![phantom.clone()];
@@ -44,17 +45,18 @@ impl Assembly {
         let mut mesh = phantom;
         let (facets, counterpart, side) = match &setup.sensor {
             SensorBody::Rigid { edge_radius_mm } => rigid(setup, &mesh, *edge_radius_mm)?,
-            SensorBody::Layers(layers) => {
+            SensorBody::Layers { layers, edge_radius_mm } => {
                 let sensor = SensorMesh {
                     footprint: setup.phantom.footprint,
                     layers_mm: layers.iter().map(|(thickness, _)| *thickness).collect(),
                     symmetry: setup.phantom.symmetry,
-                    resolution: setup.phantom.resolution,
+                    resolution: body.resolution,
+                    edge_radius_mm: *edge_radius_mm,
                 };
                 let sensor = if flat {
-                    sensor.build_2d(Some(&setup.phantom))?
+                    sensor.build_2d(Some(&body))?
                 } else {
-                    sensor.build_3d(Some(&setup.phantom))?
+                    sensor.build_3d(Some(&body))?
                 };
                 let face = mesh.boundary_facets(Boundary::Touched);
                 let face = face.into_iter().filter(|&facet| within(&mesh, facet, MARGIN * reach(setup)));
@@ -108,7 +110,7 @@ fn rigid(setup: &Setup, mesh: &Mesh, edge_radius_mm: f64) -> Result<(Vec<Facet>,
 fn face_shear_kpa(setup: &Setup) -> f64 {
     let top = match &setup.sensor {
         SensorBody::Rigid { .. } => None,
-        SensorBody::Layers(layers) => layers.last().map(|(_, material)| material),
+        SensorBody::Layers { layers, .. } => layers.last().map(|(_, material)| material),
     };
     let faces = setup.phantom_materials.first().into_iter().chain(top);
     faces.map(|material| material.law.shear_kpa()).fold(f64::INFINITY, f64::min)

@@ -3,7 +3,7 @@
 use crate::mechanics::contact::Grip;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::Material;
-use crate::mechanics::mesh::{Footprint, PhantomMesh};
+use crate::mechanics::mesh::{Footprint, PhantomMesh, rim_size_mm};
 
 /// Description of a press.
 #[derive(Debug, Clone)]
@@ -34,8 +34,13 @@ pub enum SensorBody {
         /// Radius of the edge's rounding, mm.
         edge_radius_mm: f64,
     },
-    /// Soft layers on rigid glass, lowest first.
-    Layers(Vec<(f64, Material)>),
+    /// Soft layers on rigid glass.
+    Layers {
+        /// Thickness, mm, and material of each, lowest first.
+        layers: Vec<(f64, Material)>,
+        /// Radius of the touched face's rim, mm; 0 where it is sharp.
+        edge_radius_mm: f64,
+    },
 }
 
 /// What is asked of a press.
@@ -60,6 +65,18 @@ impl Setup {
             setup.phantom_materials.iter_mut().for_each(|material| *material = body.clone());
         }
         setup
+    }
+
+    /// The phantom, with elements at the contact's edge that resolve the rim.
+    pub fn body(&self) -> PhantomMesh {
+        let mut body = self.phantom.clone();
+        if let SensorBody::Layers { edge_radius_mm, .. } = &self.sensor
+            && *edge_radius_mm > 0.0
+        {
+            let size = &mut body.resolution;
+            size.edge_mm = size.edge_mm.min(rim_size_mm(*edge_radius_mm) * size.subdivision as f64);
+        }
+        body
     }
 
     /// Largest distance of the touched face's outline from the axis, mm; the half width along x of a rectangle.

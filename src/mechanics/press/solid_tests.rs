@@ -45,7 +45,10 @@ fn soft_press(material: fn(f64) -> Material, inclusions: Vec<InclusionShape>, sy
             symmetry,
             resolution: COARSE,
         },
-        sensor: SensorBody::Layers(layers.map(|(thickness, youngs)| (thickness, material(youngs))).to_vec()),
+        sensor: SensorBody::Layers {
+            layers: layers.map(|(thickness, youngs)| (thickness, material(youngs))).to_vec(),
+            edge_radius_mm: 0.0,
+        },
         grip: Grip::Bonded,
         load: Load::Depths(vec![1.0]),
         seconds_per_mm: None,

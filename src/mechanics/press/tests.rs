@@ -25,7 +25,10 @@ fn phantom(inclusion: Option<[f64; 3]>, soft: bool, linear: bool, depths: &[f64]
         },
         phantom_materials: std::iter::once(material(5.0)).chain(inclusion.map(|[_, _, e]| material(e))).collect(),
         sensor: match soft {
-            true => SensorBody::Layers([(5.0, 15.0), (3.0, 30.0), (2.0, 60.0)].map(|(h, e)| (h, material(e))).to_vec()),
+            true => SensorBody::Layers {
+                layers: [(5.0, 15.0), (3.0, 30.0), (2.0, 60.0)].map(|(h, e)| (h, material(e))).to_vec(),
+                edge_radius_mm: 0.0,
+            },
             false => SensorBody::Rigid { edge_radius_mm: 0.5 },
         },
         grip: Grip::Bonded,

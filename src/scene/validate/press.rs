@@ -3,11 +3,13 @@
 use super::bounds::{NOT_NEGATIVE, POSITIVE, above, number};
 use super::{Invalid, phantom};
 use crate::scene::{
-    Dimensions, Face, Inner, Interface, Phantom, PhantomBody, Press, PressedSensor, Pressure, Scene, Shape,
+    Dimensions, Face, Inner, Interface, Phantom, PhantomBody, Press, PressedSensor, Pressure, Scene, Shape, Stack,
 };
 
 /// Depths or forces of a press; each is at least one solve.
 const MAX_LEVELS: usize = 100;
+/// Largest radius of the rim, as a share of the touched face's half width.
+const LARGEST_EDGE: f64 = 1.0 / 3.0;
 /// Room for rounding where two outlines touch, mm.
 const TOUCHING_MM: f64 = 1e-9;
 
@@ -36,6 +38,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
         return Err(Invalid::new("press.sensor", message));
     }
     face(press, scene.stack.footprint_mm, phantom)?;
+    edge(press, &scene.stack)?;
     if let Interface::Coulomb { friction } = press.interface {
         number("press.interface.friction", friction, above(0.0, 10.0, true), 0.5)?;
     }
@@ -146,13 +149,26 @@ fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), 
             format!("the touched face reaches {reach} mm from the axis, over the phantom's side at {radius_mm} mm");
         return Err(Invalid::new("press.footprint", message));
     }
-    number("press.edge_radius_mm", press.edge_radius_mm, POSITIVE, 0.5)?;
-    let narrowest = half[0].min(half[1]);
-    let rounded = press.sensor == PressedSensor::Rigid && press.interface != Interface::Tied;
-    if rounded && press.edge_radius_mm >= narrowest {
-        let message =
-            format!("must be below half the touched face's width of {narrowest}, is {}", press.edge_radius_mm);
-        return Err(Invalid::new("press.edge_radius_mm", message));
+    Ok(())
+}
+
+/// The rim's radius fits the touched face and the layer that carries it.
+fn edge(press: &Press, stack: &Stack) -> Result<(), Invalid> {
+    let key = "press.edge_radius_mm";
+    let (radius, rigid) = (press.edge_radius_mm(), press.sensor == PressedSensor::Rigid);
+    let allowed = if rigid && press.interface != Interface::Tied { POSITIVE } else { NOT_NEGATIVE };
+    number(key, radius, allowed, 0.5)?;
+    let [x, y] = press.face(stack).half_widths_mm();
+    let room = x.min(y) * LARGEST_EDGE;
+    if radius > room {
+        let message = format!("must be at most {room:.3}, a third of the touched face's half width, is {radius}");
+        return Err(Invalid::new(key, message));
+    }
+    let top = stack.layer.iter().find(|layer| layer.elastic.is_some()).filter(|_| !rigid);
+    if let Some(layer) = top.filter(|layer| radius > layer.thickness_mm) {
+        let thickness = layer.thickness_mm;
+        let message = format!("must be at most {thickness}, the thickness of the topmost soft layer, is {radius}");
+        return Err(Invalid::new(key, message));
     }
     Ok(())
 }

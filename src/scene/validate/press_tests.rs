@@ -149,7 +149,7 @@ fn the_rules_of_presses_hold() {
         press_rule(footprint, "footprint = { kind = \"round\", radius_mm = 15.1 } #!", "press.footprint.radius_mm", "at most 15 to lie within stack.footprint_mm"),
         press_rule(footprint, "footprint = { kind = \"rectangle\", half_widths_mm = [15, 0] } #!", "press.footprint.half_widths_mm[1]", "positive"),
         press_rule(tied, "interface = { kind = \"coulomb\", friction = 0 } #!", "press.interface.friction", "positive"),
-        press_rule(DEPTHS, "depths_mm = [1]\nedge_radius_mm = 0 #!", "press.edge_radius_mm", "positive"),
+        press_rule(DEPTHS, "depths_mm = [1]\nedge_radius_mm = -0.1 #!", "press.edge_radius_mm", "at least 0"),
         bad(SCENE, sensor, "sensor = \"soft\" #!", "invalid_value", "press.sensor", "\"deformable\", \"rigid\""),
         press_rule(contact, "[touch.contact]\npressure = { kind = \"disc\", radius_mm = 4, pressure_kpa = 1 } #!", "touch.contact.pressure", "use pressure = { kind = \"press\" }"),
         press_rule(contact, "[touch]\nshape = { kind = \"gaussian_dent\", depth_mm = 1, sigma_mm = 2 } #!\n[touch.contact]\npressure = { kind = \"press\" }", "touch.shape", "the press gives the shape"),
@@ -219,14 +219,31 @@ fn two_dimensions_need_bodies_of_revolution() {
 }
 
 #[test]
-fn a_sharp_edge_matters_only_where_a_rigid_sensor_has_one() {
-    let mut scene = preset(SCENE).unwrap().scene;
-    scene.press.as_mut().unwrap().edge_radius_mm = 15.0;
-    assert_eq!(validate(&scene), Ok(()));
-    let press = scene.press.as_mut().unwrap();
-    press.sensor = PressedSensor::Rigid;
-    press.interface = Interface::Frictionless;
-    assert_eq!(validate(&scene).unwrap_err().key, "press.edge_radius_mm");
+fn a_rim_fits_the_face_and_the_layer_that_carries_it() {
+    let rim = |edge_radius_mm, sensor, interface| {
+        let mut scene = preset(SCENE).unwrap().scene;
+        let press = scene.press.as_mut().unwrap();
+        (press.edge_radius_mm, press.sensor, press.interface) = (edge_radius_mm, sensor, interface);
+        let radius = press.edge_radius_mm();
+        validate(&scene).map(|()| radius).map_err(|broken| {
+            assert_eq!(broken.key, "press.edge_radius_mm");
+            broken.message
+        })
+    };
+    let (soft, rigid) = (PressedSensor::Deformable, PressedSensor::Rigid);
+    assert_eq!(rim(None, soft, Interface::Tied), Ok(0.0));
+    assert_eq!(rim(None, soft, Interface::Coulomb { friction: 0.2 }), Ok(0.5));
+    assert_eq!(rim(None, rigid, Interface::Frictionless), Ok(0.5));
+    assert_eq!(rim(Some(0.0), soft, Interface::Frictionless), Ok(0.0));
+    assert_eq!(rim(Some(2.0), soft, Interface::Tied), Ok(2.0));
+    assert_eq!(rim(Some(5.0), rigid, Interface::Frictionless), Ok(5.0));
+    let refused = |radius, sensor, words: &str| {
+        let message = rim(Some(radius), sensor, Interface::Frictionless).unwrap_err();
+        assert!(message.contains(words), "{message}");
+    };
+    refused(2.1, soft, "at most 2, the thickness of the topmost soft layer, is 2.1");
+    refused(5.1, rigid, "at most 5.000, a third of the touched face's half width, is 5.1");
+    refused(0.0, rigid, "positive");
 }
 
 #[test]

@@ -132,6 +132,7 @@ fn sensor_shares_the_nodes_of_the_contact() {
         layers_mm: vec![5.0, 3.0, 2.0],
         symmetry: body.symmetry,
         resolution: body.resolution,
+        edge_radius_mm: 0.0,
     };
     let (tissue, stack) = (body.build_2d().unwrap(), sensor.build_2d(Some(&body)).unwrap());
     assert_conforming(&stack, 2.0 * (15.0 + 10.0), 1e-9);

@@ -116,6 +116,7 @@ fn sensors_share_the_nodes_of_the_contact() {
             layers_mm: vec![5.0, 3.0, 2.0],
             symmetry: body.symmetry,
             resolution: body.resolution,
+            edge_radius_mm: 0.0,
         };
         let (tissue, stack) = (body.build_3d().unwrap(), sensor.build_3d(Some(&body)).unwrap());
         assert_sound(&tissue, 0.1, 40.0);
@@ -212,6 +213,7 @@ fn errors_in_three_dimensions_name_their_numbers() {
         layers_mm: vec![10.0],
         symmetry: outside.symmetry,
         resolution: outside.resolution,
+        edge_radius_mm: 0.0,
     };
     assert!(matches!(sensor.build_3d(Some(&outside)), Err(MeshError::NoSharedEdge { .. })));
     let resolution = Resolution { coarsest_mm: 0.1, ..Resolution::SOLID };
