@@ -1,6 +1,6 @@
 //! The constraints of a contact at some state.
 
-use super::meeting::along_face;
+use super::meeting::{Surface, along_face};
 use super::project::{Face, subtract};
 use super::{Contact, Counterpart, Coupling, Grip, NodeGap};
 use std::collections::HashMap;
@@ -37,7 +37,10 @@ impl Contact {
             let facet = &self.facets[point.facet];
             let own: Vec<u32> = facet.iter().map(|&k| self.nodes[k as usize]).collect();
             let touched = |positions: &[[f64; 3]]| combine(positions, &own, &point.shape);
-            let Some(meeting) = self.meet(&face, touched(paired)) else {
+            let positions: Vec<[f64; 3]> = own.iter().map(|&a| paired[a as usize]).collect();
+            let sign = self.inward[point.facet];
+            let surface = Surface::at(self.kinematics.dim(), &positions, &point.shape, &point.gradient, sign);
+            let Some(meeting) = self.meet(&face, &surface, &point.gradient) else {
                 continue;
             };
             let apart = |positions: &[[f64; 3]]| {

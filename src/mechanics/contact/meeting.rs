@@ -1,6 +1,6 @@
 //! Where a point of the touched face meets its counterpart, and how the gap there changes.
 
-use super::project::{Bend, Face, dot};
+use super::project::{Face, Hit, cross, dot};
 use super::{Contact, Counterpart, Grip, Profile};
 use crate::mechanics::kinematics::Kinematics;
 
@@ -10,7 +10,7 @@ pub struct Meeting<'a> {
     pub nodes: &'a [u32],
     /// Their shape functions.
     pub value: [f64; 9],
-    /// Gradient of the gap: the unit normal of a face, (slope, 1) over a profile.
+    /// What turns pressure into force: the unit normal of the touched face, inwards; (slope, 1) over a profile.
     pub normal: [f64; 3],
     /// The gap, mm.
     pub gap: f64,
@@ -24,22 +24,77 @@ pub enum Second {
     Zero,
     /// Of a profile, by the point's position.
     Profile([[f64; 3]; 3]),
-    /// Of a face, by the positions of point and face.
-    Face(Box<Bend>),
+    /// Of a face: how the touched face's normal turns, and how the point that it meets slides.
+    Faces(Box<[Turn; 2]>),
+}
+
+/// How a facet's turning acts: its local gradients, and how its local coordinates move with points above.
+pub struct Turn {
+    gradient: [[f64; 2]; 9],
+    slide: [[f64; 3]; 2],
+}
+
+/// A point of the touched face with its normal.
+pub struct Surface {
+    /// Position, mm.
+    pub x: [f64; 3],
+    /// Unit normal, into the touched body.
+    pub normal: [f64; 3],
+    /// Tangents along the local axes; the second is 0 in two dimensions.
+    pub tangents: [[f64; 3]; 2],
+}
+
+impl Surface {
+    /// A facet's point; `sign` turns the normal of its tangents into the body.
+    pub fn at(dim: usize, positions: &[[f64; 3]], value: &[f64; 9], gradient: &[[f64; 2]; 9], sign: f64) -> Self {
+        let (mut x, mut tangents) = ([0.0; 3], [[0.0; 3]; 2]);
+        for ((node, n), g) in positions.iter().zip(value).zip(gradient) {
+            for i in 0..3 {
+                x[i] += n * node[i];
+                (0..dim - 1).for_each(|k| tangents[k][i] += g[k] * node[i]);
+            }
+        }
+        let [t, s] = tangents;
+        let normal = if dim == 2 { [-t[1], t[0], 0.0] } else { cross(t, s) };
+        let length = dot(normal, normal).sqrt();
+        Self { x, normal: normal.map(|c| sign * c / length), tangents }
+    }
+
+    /// Tangents' duals.
+    fn duals(&self) -> [[f64; 3]; 2] {
+        let [t, s] = self.tangents;
+        let m = [dot(t, t), dot(t, s), dot(s, s)];
+        if m[2] == 0.0 {
+            return [t.map(|c| c / m[0]), [0.0; 3]];
+        }
+        let determinant = m[0] * m[2] - m[1] * m[1];
+        let row = |p: f64, q: f64| [0, 1, 2].map(|i| (p * t[i] + q * s[i]) / determinant);
+        [row(m[2], -m[1]), row(-m[1], m[0])]
+    }
 }
 
 impl Contact {
-    /// The counterpart of a point at `x`.
-    pub(super) fn meet<'a>(&'a self, face: &Face, x: [f64; 3]) -> Option<Meeting<'a>> {
+    /// The counterpart of a point of the touched face whose facet has the local gradients `gradient` there.
+    pub(super) fn meet<'a>(&'a self, face: &Face, point: &Surface, gradient: &[[f64; 2]; 9]) -> Option<Meeting<'a>> {
         match &self.counterpart {
-            Counterpart::Rigid { profile, center } => Some(self.meet_profile(profile, *center, x)),
-            Counterpart::Face(facets) => face.foot(x).map(|foot| Meeting {
+            Counterpart::Rigid { profile, center } => Some(self.meet_profile(profile, *center, point.x)),
+            Counterpart::Face(facets) if self.grip == Grip::Bonded => face.foot(point.x).map(|foot| Meeting {
                 nodes: &facets[foot.facet],
                 value: foot.value,
                 normal: foot.normal,
                 gap: foot.gap,
-                second: Second::Face(Box::new(foot.bend)),
+                second: Second::Zero,
             }),
+            Counterpart::Face(facets) => {
+                let duals = point.duals();
+                face.hit(point.x, point.normal, point.tangents).map(|hit| {
+                    let Hit { facet, value, gap, .. } = hit;
+                    let turns =
+                        [Turn { gradient: *gradient, slide: duals }, Turn { gradient: hit.gradient, slide: hit.slide }];
+                    let second = Second::Faces(Box::new(turns));
+                    Meeting { nodes: &facets[facet], value, normal: point.normal, gap, second }
+                })
+            }
         }
     }
 
@@ -73,9 +128,6 @@ impl Contact {
     }
 }
 
-/// A node that moves a gap: how the foot slides with it, and how it turns the face.
-type Mover = (u32, [[f64; 3]; 2], [[f64; 3]; 2]);
-
 impl Meeting<'_> {
     /// Calls `add` with the second derivatives of the gap by pairs of nodes, the touched ones with shape functions `shape`.
     pub fn for_second(&self, own: &[u32], shape: &[f64; 9], add: &mut dyn FnMut(u32, u32, [[f64; 3]; 3])) {
@@ -88,42 +140,37 @@ impl Meeting<'_> {
                     }
                 }
             }
-            Second::Face(bend) => self.face_second(bend, own, shape, add),
+            Second::Faces(turns) => self.faces_second(turns, own, shape, add),
         }
     }
 
-    /// At a closed gap, -(E D + D E + k D D) with D the motion of the foot along the face, E the turning of the face and k
-    /// its curvature (Wriggers 2006, Computational Contact Mechanics, ch. 6).
-    fn face_second(&self, bend: &Bend, own: &[u32], shape: &[f64; 9], add: &mut dyn FnMut(u32, u32, [[f64; 3]; 3])) {
-        let counter = self.nodes.iter().enumerate().map(|(a, &node)| (node, -self.value[a], bend.gradient[a]));
-        let movers: Vec<Mover> = own
-            .iter()
-            .zip(shape)
-            .map(|(&node, &n)| (node, n, [0.0; 2]))
-            .chain(counter)
-            .map(|(node, n, gradient)| (node, bend.slide(n), gradient.map(|g| self.normal.map(|c| g * c))))
-            .collect();
-        for (a, slide_a, turn_a) in &movers {
-            for (b, slide_b, turn_b) in &movers {
+    /// At a closed gap, -(E D + D E) with D the motion of the point along the faces and E their turning. What the forces'
+    /// derivative has beside is skew; it vanishes where both faces turn together.
+    fn faces_second(
+        &self,
+        turns: &[Turn; 2],
+        own: &[u32],
+        shape: &[f64; 9],
+        add: &mut dyn FnMut(u32, u32, [[f64; 3]; 3]),
+    ) {
+        let counter = self.nodes.iter().zip(&self.value).enumerate().map(|(a, (&node, &n))| (node, -n, 1, a));
+        let movers: Vec<(u32, f64, usize, usize)> =
+            own.iter().zip(shape).enumerate().map(|(a, (&node, &n))| (node, n, 0, a)).chain(counter).collect();
+        for (a, n, body, place) in &movers {
+            for (b, m, other, at) in &movers {
                 let mut second = [[0.0; 3]; 3];
-                for (k, row) in bend.curvature.iter().enumerate() {
+                for l in 0..2 {
+                    let (turn_a, turn_b) = (0.5 * turns[*body].gradient[*place][l], 0.5 * turns[*other].gradient[*at][l]);
                     for i in 0..3 {
                         for j in 0..3 {
-                            let bent: f64 = (0..2).map(|l| row[l] * slide_a[k][i] * slide_b[l][j]).sum();
-                            second[i][j] -= turn_a[k][i] * slide_b[k][j] + slide_a[k][i] * turn_b[k][j] + bent;
+                            second[i][j] -= turn_a * self.normal[i] * m * turns[*body].slide[l][j]
+                                + n * turns[*other].slide[l][i] * turn_b * self.normal[j];
                         }
                     }
                 }
                 add(*a, *b, second);
             }
         }
-    }
-}
-
-impl Bend {
-    /// How the foot's local coordinates move with a node of weight `n`.
-    fn slide(&self, n: f64) -> [[f64; 3]; 2] {
-        [0, 1].map(|k| [0, 1, 2].map(|i| n * (0..2).map(|l| self.metric[k][l] * self.tangents[l][i]).sum::<f64>()))
     }
 }
 

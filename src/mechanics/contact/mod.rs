@@ -17,6 +17,7 @@ pub use profile::Profile;
 
 use super::kinematics::Kinematics;
 use super::mesh::{Facet, Mesh};
+use meeting::Surface;
 use points::{TouchPoint, radius, touch_points};
 use std::collections::HashMap;
 
@@ -57,6 +58,8 @@ pub struct Contact {
     /// The touched nodes.
     pub nodes: Vec<u32>,
     points: Vec<TouchPoint>,
+    /// Sign of each facet's normal that points into the touched body.
+    inward: Vec<f64>,
     /// Spring of the tangent at each touched node, kPa per mm.
     pub spring: Vec<f64>,
     /// -1 where the touched body lies below its face (the counterpart above), 1 where above.
@@ -101,10 +104,16 @@ impl Contact {
         let mut size: Vec<f64> = Vec::new();
         let mut local = Vec::new();
         let mut points = Vec::new();
+        let mut inward = Vec::new();
         for (k, &facet) in facets.iter().enumerate() {
             let global = mesh.facet_nodes(facet);
             let positions: Vec<[f64; 3]> = global.iter().map(|&a| mesh.nodes[a as usize]).collect();
             let here = touch_points(kinematics, k, &positions);
+            let up = kinematics.dim() - 1;
+            inward.push(here.first().map_or(1.0, |point| {
+                let surface = Surface::at(up + 1, &positions, &point.shape, &point.gradient, 1.0);
+                (side * surface.normal[up]).signum()
+            }));
             let area: f64 = here.iter().map(|point| point.weight / kinematics.weight(radius(&positions, point))).sum();
             let length = if axes == 1 { area } else { area.sqrt() };
             local.push(
@@ -124,7 +133,7 @@ impl Contact {
             points.extend(here);
         }
         let spring = size.iter().map(|length| SPRING * shear_kpa / length).collect();
-        Self { kinematics, grip, counterpart, facets: local, nodes, points, spring, side }
+        Self { kinematics, grip, counterpart, facets: local, nodes, points, inward, spring, side }
     }
 
     /// Nodes of each touched facet.

@@ -11,6 +11,8 @@ pub struct TouchPoint {
     pub facet: usize,
     /// Shape functions of the facet's nodes.
     pub shape: [f64; 9],
+    /// Their local gradients.
+    pub gradient: [[f64; 2]; 9],
     /// Hats of the facet's nodes: linear on half facets.
     pub hat: [f64; 9],
     /// Area that the point stands for, mm^2 (mm in plane strain).
@@ -47,7 +49,10 @@ pub fn touch_points(kinematics: Kinematics, facet: usize, positions: &[[f64; 3]]
                     (dot(a, a) * dot(b, b) - dot(a, b).powi(2)).max(0.0).sqrt()
                 }
             };
-            let mut point = TouchPoint { facet, shape: [0.0; 9], hat: [0.0; 9], weight: 0.0 };
+            let mut point = TouchPoint { facet, shape: [0.0; 9], gradient: [[0.0; 2]; 9], hat: [0.0; 9], weight: 0.0 };
+            for (gradient, local) in point.gradient.iter_mut().zip(&shape.gradient).take(positions.len()) {
+                *gradient = [local[0], local[1]];
+            }
             let (first, other) = (hats(line[i][0]), hats(second[0]));
             for (a, (shape_a, hat_a)) in point.shape.iter_mut().zip(&mut point.hat).enumerate().take(positions.len()) {
                 *shape_a = shape.value[a];

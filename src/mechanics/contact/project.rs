@@ -1,6 +1,6 @@
-//! The nearest point of a deformable counterpart's face.
+//! The point of a deformable counterpart's face that a point of the touched face meets.
 
-use crate::mechanics::element::{Shape, lagrange};
+use crate::mechanics::element::Shape;
 
 /// A point of the counterpart's face.
 #[derive(Debug, Clone)]
@@ -13,21 +13,21 @@ pub struct Foot {
     pub normal: [f64; 3],
     /// Distance along the normal, mm; negative inside the counterpart.
     pub gap: f64,
-    /// How the gap bends as points move.
-    pub bend: Bend,
 }
 
-/// First and second derivatives of a facet at a foot.
+/// Where a line along the touched face's normal meets the counterpart.
 #[derive(Debug, Clone)]
-pub struct Bend {
-    /// Tangents along the local axes.
-    pub tangents: [[f64; 3]; 2],
-    /// Inverse of the metric.
-    pub metric: [[f64; 2]; 2],
-    /// Local gradients of the shape functions.
+pub struct Hit {
+    /// The facet.
+    pub facet: usize,
+    /// Values of its shape functions there.
+    pub value: [f64; 9],
+    /// Their local gradients.
     pub gradient: [[f64; 2]; 9],
-    /// Normal part of the second derivatives of the position.
-    pub curvature: [[f64; 2]; 2],
+    /// How its local coordinates move with the motion of the line across itself.
+    pub slide: [[f64; 3]; 2],
+    /// Distance from the counterpart along the line, mm; negative inside the counterpart.
+    pub gap: f64,
 }
 
 /// How far outside a facet, in local coordinates, a point still counts as above it.
@@ -98,8 +98,67 @@ impl Face<'_> {
         normal = normal.map(|c| c / length);
         let mut value = [0.0; 9];
         value[..nodes.len()].copy_from_slice(&shape.value[..nodes.len()]);
-        let bend = bend(axes, nodes, xi, &shape, tangents, normal);
-        Some(Foot { facet, value, normal, gap: dot(normal, subtract(x, foot)), bend })
+        Some(Foot { facet, value, normal, gap: dot(normal, subtract(x, foot)) })
+    }
+
+    /// Where the line through `x` along `normal` (out of the counterpart) meets the face; `None` where it does not.
+    pub fn hit(&self, x: [f64; 3], normal: [f64; 3], across: [[f64; 3]; 2]) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        for (facet, nodes) in self.facets.iter().enumerate() {
+            let size = distance(nodes[0], nodes[nodes.len() - 1]);
+            if lateral(normal, x, nodes[nodes.len() / 2]) > size {
+                continue;
+            }
+            if let Some(hit) = self.cross(facet, nodes, x, normal, across)
+                && best.as_ref().is_none_or(|b| hit.gap.abs() < b.gap.abs())
+            {
+                best = Some(hit);
+            }
+        }
+        best
+    }
+
+    fn cross(
+        &self,
+        facet: usize,
+        nodes: &[[f64; 3]],
+        x: [f64; 3],
+        normal: [f64; 3],
+        across: [[f64; 3]; 2],
+    ) -> Option<Hit> {
+        let axes = self.dim - 1;
+        let mut xi = [0.0; 3];
+        for _ in 0..STEPS {
+            let shape = Shape::at(axes, xi);
+            let (place, tangents) = self.place(nodes, &shape);
+            let slide = slides(axes, across, tangents)?;
+            let away = subtract(x, place);
+            let mut last: f64 = 0.0;
+            for axis in 0..axes {
+                let step = dot(slide[axis], away);
+                last = last.max(step.abs());
+                xi[axis] = (xi[axis] + step).clamp(-1.5, 1.5);
+            }
+            if last < 1e-13 {
+                break;
+            }
+        }
+        if xi.iter().any(|c| c.abs() > 1.0 + MARGIN) {
+            return None;
+        }
+        let shape = Shape::at(axes, xi);
+        let (place, tangents) = self.place(nodes, &shape);
+        let slide = slides(axes, across, tangents)?;
+        let away = subtract(x, place);
+        if slide.iter().any(|slide| dot(*slide, away).abs() > 1e-9) {
+            return None;
+        }
+        let mut hit = Hit { facet, value: [0.0; 9], gradient: [[0.0; 2]; 9], slide, gap: dot(normal, away) };
+        for a in 0..nodes.len() {
+            hit.value[a] = shape.value[a];
+            hit.gradient[a] = [shape.gradient[a][0], shape.gradient[a][1]];
+        }
+        Some(hit)
     }
 
     fn place(&self, nodes: &[[f64; 3]], shape: &Shape) -> ([f64; 3], [[f64; 3]; 2]) {
@@ -116,50 +175,15 @@ impl Face<'_> {
     }
 }
 
-fn bend(
-    axes: usize,
-    nodes: &[[f64; 3]],
-    xi: [f64; 3],
-    shape: &Shape,
-    tangents: [[f64; 3]; 2],
-    normal: [f64; 3],
-) -> Bend {
-    let m = [[0, 0], [0, 1], [1, 1]].map(|[i, j]| dot(tangents[i], tangents[j]));
-    let metric = if axes == 1 {
-        [[1.0 / m[0], 0.0], [0.0, 0.0]]
-    } else {
-        let determinant = m[0] * m[2] - m[1] * m[1];
-        [[m[2] / determinant, -m[1] / determinant], [-m[1] / determinant, m[0] / determinant]]
-    };
-    let second = second_derivatives(axes, xi);
-    let mut bend = Bend { tangents, metric, gradient: [[0.0; 2]; 9], curvature: [[0.0; 2]; 2] };
-    for (a, node) in nodes.iter().enumerate() {
-        bend.gradient[a] = [shape.gradient[a][0], shape.gradient[a][1]];
-        let along = dot(*node, normal);
-        for i in 0..2 {
-            for j in 0..2 {
-                bend.curvature[i][j] += second[a][i][j] * along;
-            }
-        }
+/// Inverse of the components of a facet's tangents along `across`, times these.
+fn slides(axes: usize, across: [[f64; 3]; 2], tangents: [[f64; 3]; 2]) -> Option<[[f64; 3]; 2]> {
+    let m = across.map(|a| tangents.map(|t| dot(a, t)));
+    if axes == 1 {
+        return (m[0][0] != 0.0).then(|| [across[0].map(|c| c / m[0][0]), [0.0; 3]]);
     }
-    bend
-}
-
-/// Second derivatives of a facet's shape functions.
-fn second_derivatives(axes: usize, xi: [f64; 3]) -> [[[f64; 2]; 2]; 9] {
-    let lines = [lagrange(xi[0]), lagrange(xi[1])];
-    let twice = [1.0, -2.0, 1.0];
-    let mut second = [[[0.0; 2]; 2]; 9];
-    for (a, d) in second.iter_mut().enumerate().take(3usize.pow(axes as u32)) {
-        let (i, j) = (a % 3, a / 3);
-        if axes == 1 {
-            d[0][0] = twice[i];
-        } else {
-            let mixed = lines[0][i][1] * lines[1][j][1];
-            *d = [[twice[i] * lines[1][j][0], mixed], [mixed, lines[0][i][0] * twice[j]]];
-        }
-    }
-    second
+    let determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+    let row = |p: f64, q: f64| [0, 1, 2].map(|i| (p * across[0][i] + q * across[1][i]) / determinant);
+    (determinant != 0.0).then(|| [row(m[1][1], -m[0][1]), row(-m[1][0], m[0][0])])
 }
 
 /// Distance of two points across a direction.
@@ -184,6 +208,7 @@ pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+/// Vector product.
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

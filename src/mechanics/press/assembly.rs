@@ -77,6 +77,16 @@ impl Assembly {
             }
         };
         let shear = face_shear_kpa(setup);
+        let (facets, counterpart, side) = if std::env::var("FLIP").is_ok() && matches!(setup.sensor, SensorBody::Layers { .. }) {
+            let mut other: Vec<Vec<u32>> = facets.iter().map(|&f| mesh.facet_nodes(f)).collect();
+            if std::env::var("NOWALL").is_err() {
+                let first = (mesh.element_count() - bodies[1].element_count()) as u32;
+                other.extend(bodies[1].boundary_facets(Boundary::Side).into_iter().map(|f| mesh.facet_nodes(Facet { element: f.element + first, ..f })));
+            }
+            let face = bodies[0].boundary_facets(Boundary::Touched);
+            let face = face.into_iter().filter(|&facet| within(&mesh, facet, MARGIN * reach(setup))).collect();
+            (face, Counterpart::Face(other), 1.0)
+        } else { (facets, counterpart, side) };
         let contact = Contact::new(setup.kinematics, &mesh, &facets, counterpart, setup.grip, shear, side);
         let problem = Problem {
             supports,
