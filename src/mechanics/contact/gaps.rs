@@ -2,7 +2,7 @@
 
 use super::meeting::{Surface, along_face};
 use super::project::{Face, subtract};
-use super::{Contact, Counterpart, Coupling, Grip, NodeGap};
+use super::{Bending, Contact, Counterpart, Coupling, Grip, NodeGap};
 use std::collections::HashMap;
 
 /// Positions that a contact is judged by.
@@ -19,7 +19,7 @@ pub struct Positions<'a> {
 impl Contact {
     /// The constraints of all touched nodes, and the stiffness that the pressures `pressure` get from the bending of the
     /// gaps.
-    pub fn gaps(&self, at: Positions, pressure: &[f64]) -> (Vec<NodeGap>, Vec<Coupling>) {
+    pub fn gaps(&self, at: Positions, pressure: &[f64]) -> (Vec<NodeGap>, Bending) {
         // Bonded faces keep the pairs that they had when they met.
         let bonded = self.grip == Grip::Bonded;
         let paired = if bonded { at.reference } else { at.now };
@@ -31,8 +31,8 @@ impl Contact {
         };
         let face = Face { dim: self.kinematics.dim(), facets: &faces, outward: self.outward() };
         let mut gaps: Vec<NodeGap> = vec![NodeGap::default(); self.nodes.len()];
-        let mut moved: Vec<HashMap<u32, (f64, [f64; 3])>> = vec![HashMap::new(); self.nodes.len()];
-        let mut stiffness: HashMap<(u32, u32), [[f64; 3]; 3]> = HashMap::new();
+        let mut moved: Vec<HashMap<u32, (f64, [f64; 3], [f64; 3])>> = vec![HashMap::new(); self.nodes.len()];
+        let mut stiffness: HashMap<(u32, u32), [[[f64; 3]; 3]; 2]> = HashMap::new();
         for point in &self.points {
             let facet = &self.facets[point.facet];
             let own: Vec<u32> = facet.iter().map(|&k| self.nodes[k as usize]).collect();
@@ -63,26 +63,36 @@ impl Contact {
                 }
                 let nodes = own.iter().zip(&point.shape).map(|(&a, &n)| (a, n));
                 let counter = meeting.nodes.iter().zip(&meeting.value).map(|(&a, &n)| (a, -n));
-                for (a, n) in nodes.chain(counter) {
+                for (place, (a, n)) in nodes.chain(counter).enumerate() {
                     let entry = moved[k as usize].entry(a).or_default();
+                    let gradient = meeting.gradient(place, n, own.len());
                     entry.0 += weight * n;
-                    (0..3).for_each(|i| entry.1[i] += weight * n * meeting.normal[i]);
+                    for i in 0..3 {
+                        entry.1[i] += weight * n * meeting.normal[i];
+                        entry.2[i] += weight * gradient[i];
+                    }
                 }
             }
             if load > 0.0 && !bonded {
-                meeting.for_second(&own, &point.shape, &mut |a, b, second| {
+                meeting.for_second(&own, &point.shape, &mut |a, b, even, odd| {
                     let entry = stiffness.entry((a, b)).or_default();
-                    (0..9).for_each(|k| entry[k / 3][k % 3] -= load * second[k / 3][k % 3]);
+                    for (sum, second) in entry.iter_mut().zip([even, odd]) {
+                        (0..9).for_each(|k| sum[k / 3][k % 3] -= load * second[k / 3][k % 3]);
+                    }
                 });
             }
         }
         for (gap, moved) in gaps.iter_mut().zip(moved) {
-            gap.moved = moved.into_iter().map(|(a, (weight, normal))| (a, weight, normal)).collect();
-            gap.moved.sort_unstable_by_key(|entry| entry.0);
+            let mut all: Vec<_> = moved.into_iter().collect();
+            all.sort_unstable_by_key(|entry| entry.0);
+            gap.moved = all.iter().map(|(a, (weight, normal, _))| (*a, *weight, *normal)).collect();
+            gap.gradient = all.into_iter().map(|(_, (_, _, gradient))| gradient).collect();
         }
-        let mut stiffness: Vec<Coupling> = stiffness.into_iter().map(|((a, b), k)| (a, b, k)).collect();
-        stiffness.sort_unstable_by_key(|entry| (entry.0, entry.1));
-        (gaps, stiffness)
+        let mut stiffness: Vec<_> = stiffness.into_iter().collect();
+        stiffness.sort_unstable_by_key(|entry| entry.0);
+        let part = |k: usize| -> Vec<Coupling> { stiffness.iter().map(|((a, b), parts)| (*a, *b, parts[k])).collect() };
+        let odd = part(1).into_iter().filter(|(_, _, k)| k.iter().flatten().any(|k| *k != 0.0)).collect();
+        (gaps, Bending { even: part(0), odd })
     }
 
     /// Out of the counterpart, towards the touched body.

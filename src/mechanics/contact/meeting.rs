@@ -24,8 +24,16 @@ pub enum Second {
     Zero,
     /// Of a profile, by the point's position.
     Profile([[f64; 3]; 3]),
-    /// Of a face: how the touched face's normal turns, and how the point that it meets slides.
-    Faces(Box<[Turn; 2]>),
+    /// Of two faces.
+    Faces(Box<Faces>),
+}
+
+/// How the gap between two faces bends.
+pub struct Faces {
+    /// Turning of the touched facet, then of the counterpart's.
+    turns: [Turn; 2],
+    /// Slopes of the counterpart along its tangents, towards the touched face's normal.
+    slopes: [f64; 2],
 }
 
 /// How a facet's turning acts: its local gradients, and how its local coordinates move with points above.
@@ -91,7 +99,7 @@ impl Contact {
                     let Hit { facet, value, gap, .. } = hit;
                     let turns =
                         [Turn { gradient: *gradient, slide: duals }, Turn { gradient: hit.gradient, slide: hit.slide }];
-                    let second = Second::Faces(Box::new(turns));
+                    let second = Second::Faces(Box::new(Faces { turns, slopes: hit.slopes }));
                     Meeting { nodes: &facets[facet], value, normal: point.normal, gap, second }
                 })
             }
@@ -128,49 +136,74 @@ impl Contact {
     }
 }
 
+/// Takes second derivatives by a pair of nodes: their symmetric part and the rest.
+pub type Add<'a> = dyn FnMut(u32, u32, [[f64; 3]; 3], [[f64; 3]; 3]) + 'a;
+
 impl Meeting<'_> {
     /// Calls `add` with the second derivatives of the gap by pairs of nodes, the touched ones with shape functions `shape`.
-    pub fn for_second(&self, own: &[u32], shape: &[f64; 9], add: &mut dyn FnMut(u32, u32, [[f64; 3]; 3])) {
+    pub fn for_second(&self, own: &[u32], shape: &[f64; 9], add: &mut Add) {
         match &self.second {
             Second::Zero => {}
             Second::Profile(second) => {
                 for (&a, m) in own.iter().zip(shape) {
                     for (&b, n) in own.iter().zip(shape) {
-                        add(a, b, second.map(|row| row.map(|h| m * n * h)));
+                        add(a, b, second.map(|row| row.map(|h| m * n * h)), [[0.0; 3]; 3]);
                     }
                 }
             }
-            Second::Faces(turns) => self.faces_second(turns, own, shape, add),
+            Second::Faces(faces) => self.faces_second(faces, own, shape, add),
         }
     }
 
-    /// At a closed gap, -(E D + D E) with D the motion of the point along the faces and E their turning. What the forces'
-    /// derivative has beside is skew; it vanishes where both faces turn together.
-    fn faces_second(
-        &self,
-        turns: &[Turn; 2],
-        own: &[u32],
-        shape: &[f64; 9],
-        add: &mut dyn FnMut(u32, u32, [[f64; 3]; 3]),
-    ) {
+    /// The force n W_a on node a turns with n and moves with W_a: with D the motion of the point along a face and E the turning
+    /// of that face, -(D E) of the touched one and -(E D) of the counterpart. Where both turn together it is symmetric.
+    fn faces_second(&self, faces: &Faces, own: &[u32], shape: &[f64; 9], add: &mut Add) {
         let counter = self.nodes.iter().zip(&self.value).enumerate().map(|(a, (&node, &n))| (node, -n, 1, a));
         let movers: Vec<(u32, f64, usize, usize)> =
             own.iter().zip(shape).enumerate().map(|(a, (&node, &n))| (node, n, 0, a)).chain(counter).collect();
-        for (a, n, body, place) in &movers {
-            for (b, m, other, at) in &movers {
-                let mut second = [[0.0; 3]; 3];
-                for l in 0..2 {
-                    let (turn_a, turn_b) = (0.5 * turns[*body].gradient[*place][l], 0.5 * turns[*other].gradient[*at][l]);
-                    for i in 0..3 {
-                        for j in 0..3 {
-                            second[i][j] -= turn_a * self.normal[i] * m * turns[*body].slide[l][j]
-                                + n * turns[*other].slide[l][i] * turn_b * self.normal[j];
-                        }
+        let turn = |(_, _, body, place): &(u32, f64, usize, usize), of: usize, l: usize| {
+            if *body == of { faces.turns[of].gradient[*place][l] } else { 0.0 }
+        };
+        let exact = |a: &(u32, f64, usize, usize), b: &(u32, f64, usize, usize), i: usize, j: usize| {
+            let n = &self.normal;
+            (0..2)
+                .map(|l| {
+                    let [touched, counter] = &faces.turns;
+                    a.1 * touched.slide[l][i] * turn(b, 0, l) * n[j] + turn(a, 1, l) * n[i] * counter.slide[l][j] * b.1
+                })
+                .sum::<f64>()
+        };
+        for a in &movers {
+            for b in &movers {
+                let (mut even, mut odd) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+                for i in 0..3 {
+                    for j in 0..3 {
+                        let [here, mirrored] = [exact(a, b, i, j), exact(b, a, j, i)];
+                        even[i][j] = -0.5 * (here + mirrored);
+                        odd[i][j] = -0.5 * (here - mirrored);
                     }
                 }
-                add(*a, *b, second);
+                add(a.0, b.0, even, odd);
             }
         }
+    }
+
+    /// Gradient of the gap by the node at `place` of weight `n`, the `own` touched ones first: along the touched face's normal,
+    /// less the counterpart's slope times the motion of the foot.
+    pub fn gradient(&self, place: usize, n: f64, own: usize) -> [f64; 3] {
+        let mut gradient = self.normal.map(|c| n * c);
+        let Second::Faces(faces) = &self.second else { return gradient };
+        let [touched, counter] = &faces.turns;
+        for (slope, slide) in faces.slopes.iter().zip(&counter.slide) {
+            (0..3).for_each(|i| gradient[i] -= slope * n * slide[i]);
+            if place < own {
+                for (local, dual) in touched.gradient[place].iter().zip(&touched.slide) {
+                    let turn = slope * self.gap * dot(*slide, *dual) * local;
+                    (0..3).for_each(|i| gradient[i] -= turn * self.normal[i]);
+                }
+            }
+        }
+        gradient
     }
 }
 

@@ -79,10 +79,21 @@ pub struct NodeGap {
     pub normal: [f64; 3],
     /// Nodes of both bodies that move the gap: scalar weight and weight times normal.
     pub moved: Vec<(u32, f64, [f64; 3])>,
+    /// Gradient of the gap by these nodes. Over a face it differs from the normal by the angle between the faces.
+    pub gradient: Vec<[f64; 3]>,
 }
 
 /// Stiffness between two nodes, mN per mm.
 pub type Coupling = (u32, u32, [[f64; 3]; 3]);
+
+/// The stiffness that pressures get from the bending of gaps.
+#[derive(Debug, Clone, Default)]
+pub struct Bending {
+    /// Its symmetric part.
+    pub even: Vec<Coupling>,
+    /// The rest.
+    pub odd: Vec<Coupling>,
+}
 
 /// How far the tangent's spring is stiffer than the body, in shear moduli over facet size.
 pub const SPRING: f64 = 1e6;

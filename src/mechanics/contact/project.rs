@@ -26,6 +26,8 @@ pub struct Hit {
     pub gradient: [[f64; 2]; 9],
     /// How its local coordinates move with the motion of the line across itself.
     pub slide: [[f64; 3]; 2],
+    /// Slopes of the facet's tangents towards the line.
+    pub slopes: [f64; 2],
     /// Distance from the counterpart along the line, mm; negative inside the counterpart.
     pub gap: f64,
 }
@@ -153,7 +155,7 @@ impl Face<'_> {
         if slide.iter().any(|slide| dot(*slide, away).abs() > 1e-9) {
             return None;
         }
-        let mut hit = Hit { facet, value: [0.0; 9], gradient: [[0.0; 2]; 9], slide, gap: dot(normal, away) };
+        let mut hit = Hit { facet, value: [0.0; 9], gradient: [[0.0; 2]; 9], slide, slopes: tangents.map(|t| dot(t, normal)), gap: dot(normal, away) };
         for a in 0..nodes.len() {
             hit.value[a] = shape.value[a];
             hit.gradient[a] = [shape.gradient[a][0], shape.gradient[a][1]];

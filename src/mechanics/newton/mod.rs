@@ -303,11 +303,11 @@ impl<'a> Solver<'a> {
         contacts
             .map(|(contact, traction)| {
                 let pressure: Vec<f64> = traction.iter().map(|t| t.normal).collect();
-                let (gaps, stiffness) = contact.gaps(at, &pressure);
+                let (gaps, bending) = contact.gaps(at, &pressure);
                 let nodes = gaps.into_iter().zip(traction).enumerate();
                 let touch =
                     |(k, (gap, &now))| touch(contact.grip, gap, now, contact.spring[k], self.held(contact.nodes[k]));
-                Touching { nodes: nodes.map(touch).collect(), stiffness }
+                Touching { nodes: nodes.map(touch).collect(), bending }
             })
             .collect()
     }

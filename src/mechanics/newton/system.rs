@@ -3,6 +3,7 @@
 use super::krylov::gmres;
 use super::touch::{Hold, Touching, pushes};
 use super::{Balance, CHUNK, FLOOR_STRAIN, HELD, Solver, StepError};
+use crate::mechanics::contact::Coupling;
 use crate::mechanics::element::quadrature;
 use crate::mechanics::problem::{Problem, State};
 use crate::mechanics::solid::ElementSystem;
@@ -137,7 +138,7 @@ impl Solver<'_> {
                 }
             }
         }
-        for (a, b, stiffness) in touches.iter().flat_map(|t| &t.stiffness) {
+        for (a, b, stiffness) in touches.iter().flat_map(|t| &t.bending.even) {
             for i in 0..dim {
                 for j in 0..dim {
                     add(*a, i, *b, j, stiffness[i][j]);
@@ -183,13 +184,14 @@ impl Solver<'_> {
         let vector: Vec<f64> = self.free(&right);
         let mut matrix = self.matrix.take().ok_or(SparseError::TooLarge)?;
         let solved = matrix.factorize().map(|()| {
-            let dragged: Vec<_> = touches.iter().flat_map(|t| &t.nodes).filter(|t| t.drag != [0.0; 3]).collect();
-            if dragged.is_empty() {
+            let dragged: Vec<_> = touches.iter().flat_map(|t| &t.nodes).filter(|t| t.is_odd()).collect();
+            let odd: Vec<&Coupling> = touches.iter().flat_map(|t| &t.bending.odd).collect();
+            if dragged.is_empty() && odd.is_empty() {
                 let mut vector = vector;
                 matrix.solve(&mut vector);
                 return vector;
             }
-            // The matrix lacks what the pressure does to friction, which is not symmetric.
+            // The matrix lacks what is not symmetric.
             let mut spread = vec![0.0; self.prescribed.len()];
             gmres(vector, &mut |v| matrix.solve(v), &mut |v| {
                 self.equation
@@ -198,9 +200,14 @@ impl Solver<'_> {
                     .for_each(|(&e, s)| *s = v.get(e as usize).copied().unwrap_or(0.0));
                 let mut force = vec![0.0; self.prescribed.len()];
                 for touch in &dragged {
-                    let normal = touch.answer(&spread, dim).normal;
-                    for (a, m, _) in &touch.gap.moved {
-                        (0..dim).for_each(|i| force[*a as usize * dim + i] -= m * touch.drag[i] * normal);
+                    for (a, push) in pushes(touch, &touch.odd_answer(&spread, dim)) {
+                        (0..dim).for_each(|i| force[a as usize * dim + i] -= push[i]);
+                    }
+                }
+                for (a, b, k) in &odd {
+                    for i in 0..dim {
+                        let pull: f64 = (0..dim).map(|j| k[i][j] * spread[*b as usize * dim + j]).sum();
+                        force[*a as usize * dim + i] += pull;
                     }
                 }
                 self.free(&force)

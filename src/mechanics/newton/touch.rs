@@ -1,6 +1,6 @@
 //! What a touched node does: bonded, free, sticking or slipping.
 
-use crate::mechanics::contact::{Coupling, Grip, NodeGap, SPRING};
+use crate::mechanics::contact::{Bending, Grip, NodeGap, SPRING};
 use crate::mechanics::problem::Traction;
 
 type Tensor = [[f64; 3]; 3];
@@ -9,7 +9,7 @@ type Tensor = [[f64; 3]; 3];
 pub(super) struct Touching {
     pub nodes: Vec<Touch>,
     /// Stiffness from the bending of the gaps under pressure.
-    pub stiffness: Vec<Coupling>,
+    pub bending: Bending,
 }
 
 /// What a touched node does in a state.
@@ -49,10 +49,10 @@ pub(super) fn pushes(touch: &Touch, traction: &Traction) -> Vec<(u32, [f64; 3])>
 /// Integrals of hat times normal gap and times offset that a displacement adds.
 pub(super) fn moved(gap: &NodeGap, change: &[f64], dim: usize) -> (f64, [f64; 3]) {
     let (mut normal, mut offset) = (0.0, [0.0; 3]);
-    for (a, m, n) in &gap.moved {
+    for ((a, m, _), gradient) in gap.moved.iter().zip(&gap.gradient) {
         for i in 0..dim {
             let du = change[*a as usize * dim + i];
-            normal += n[i] * du;
+            normal += gradient[i] * du;
             offset[i] += m * du;
         }
     }
@@ -159,6 +159,22 @@ pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64, held: 
 }
 
 impl Touch {
+    /// Whether the matrix has not all of what the node does.
+    pub fn is_odd(&self) -> bool {
+        let turned = || self.gap.moved.iter().zip(&self.gap.gradient).any(|((_, _, n), gradient)| n != gradient);
+        self.hold != Hold::Free && (self.drag != [0.0; 3] || self.spring > 0.0 && turned())
+    }
+
+    /// Change of the traction with a motion beyond that in the matrix: friction follows the pressure, and the gap's gradient is
+    /// not quite the normal.
+    pub fn odd_answer(&self, change: &[f64], dim: usize) -> Traction {
+        let normal = self.answer(change, dim).normal;
+        let along: f64 =
+            self.gap.moved.iter().map(|(a, _, n)| (0..dim).map(|i| n[i] * change[*a as usize * dim + i]).sum::<f64>()).sum();
+        let vector = self.drag.map(|c| c * normal);
+        Traction { normal: normal + self.spring * along / self.gap.area, vector, bound: 0.0 }
+    }
+
     /// Traction after a full Newton step.
     pub fn stepped(&self, change: &[f64], dim: usize) -> Traction {
         let mut next = self.trial;

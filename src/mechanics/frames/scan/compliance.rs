@@ -122,7 +122,7 @@ impl Compliance {
             }
             // The components that the active gaps and their bending see.
             let held = active.iter().flat_map(|&k| gaps[k].moved.iter().map(|entry| entry.0));
-            let bent = bending.iter().flat_map(|&(a, b, _)| [a, b]);
+            let bent = bending.even.iter().flat_map(|&(a, b, _)| [a, b]);
             let seen: BTreeSet<u32> = held.chain(bent).flat_map(|a| [2 * a, 2 * a + 1]).collect();
             let seen: Vec<u32> = seen.into_iter().collect();
             let place = |k: u32| seen.binary_search(&k).ok();
@@ -136,7 +136,7 @@ impl Compliance {
                 }
             }
             let mut stiffness = Mat::<f64>::zeros(n, n);
-            for (a, b, entry) in &bending {
+            for (a, b, entry) in &bending.even {
                 for i in 0..2 {
                     for j in 0..2 {
                         stiffness[(place(2 * a + i)?, place(2 * b + j)?)] += entry[i as usize][j as usize];
