@@ -102,8 +102,10 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
         sensor: match press.sensor {
             PressedSensor::Rigid => SensorBody::Rigid { edge_radius_mm: press.edge_radius_mm() },
             PressedSensor::Deformable => {
-                SensorBody::Layers { layers: soft_layers(&scene.stack)?, edge_radius_mm: press.edge_radius_mm() }
-            },
+                // In three dimensions the elements at the rim are larger than it.
+                let edge_radius_mm = if flat { press.edge_radius_mm() } else { press.edge_radius_mm.unwrap_or(0.0) };
+                SensorBody::Layers { layers: soft_layers(&scene.stack)?, edge_radius_mm }
+            }
         },
         grip: match press.interface {
             Interface::Tied => Grip::Bonded,

@@ -44,6 +44,8 @@ const SHORTEST: f64 = 1.0 / 1024.0;
 const GROWTH: [f64; 2] = [2.0, 1.25];
 /// Least number of steps where faces rub: the path matters there.
 const RUBBING_STEPS: f64 = 10.0;
+/// First step of faces that slide, as a share of the longest: all of the face is then still to find.
+const FIRST: f64 = 0.25;
 /// Steps, as a share of the longest asked one, that are tried with damping where they fail without. Longer ones are halved.
 const DAMPED_STEP: f64 = 0.13;
 /// What few iterations are.
@@ -64,8 +66,9 @@ pub fn follow(
     let mut last: Option<State> = None;
     for &target in loads {
         let whole = target - state.load;
+        let slides = solver.problem().slides();
         let longest = if solver.problem().rubs() { whole / RUBBING_STEPS } else { whole };
-        let mut step = longest;
+        let mut step = if slides && state.load == 0.0 { longest.min(FIRST * whole) } else { longest };
         while state.load < target {
             if !observe(state.load) {
                 return Err(PathError::Stopped);

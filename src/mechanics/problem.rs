@@ -98,6 +98,11 @@ impl Problem {
         held.iter().filter(|h| !**h).count()
     }
 
+    /// Whether faces can slide on each other.
+    pub fn slides(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.grip != Grip::Bonded && !contact.is_rigid())
+    }
+
     /// Whether faces rub against each other.
     pub fn rubs(&self) -> bool {
         self.contacts.iter().any(|contact| matches!(contact.grip, Grip::Coulomb(_)))

@@ -17,7 +17,8 @@ use std::collections::HashMap;
 /// # Errors
 /// When the footprint is too small for a height field.
 pub fn pressed_surface(loaded: &LoadedScene, pressed: &Pressed, step: &PressStep) -> Result<Surface, SurfaceError> {
-    let (SensorBody::Layers { layers, .. }, [_, sensor]) = (&pressed.setup.sensor, pressed.assembly.bodies.as_slice()) else {
+    let (SensorBody::Layers { layers, .. }, [_, sensor]) = (&pressed.setup.sensor, pressed.assembly.bodies.as_slice())
+    else {
         return Ok(Surface::Flat);
     };
     let scene = &loaded.scene;

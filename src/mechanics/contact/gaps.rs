@@ -68,7 +68,8 @@ impl Contact {
                     let gradient = meeting.gradient(place, n, own.len());
                     entry.0 += weight * n;
                     for i in 0..3 {
-                        entry.1[i] += weight * n * meeting.normal[i];
+                        // Rounded as the gradient is: the two are compared.
+                        entry.1[i] += weight * (n * meeting.normal[i]);
                         entry.2[i] += weight * gradient[i];
                     }
                 }

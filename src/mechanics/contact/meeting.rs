@@ -207,8 +207,9 @@ impl Meeting<'_> {
     }
 }
 
-/// Least cosine of a face's tilt at which faces approach along the axis and not along the normal.
-const LEAST_COSINE: f64 = 0.1;
+/// Least cosine of a face's tilt at which faces approach along the axis and not along the normal: on a steep rim, what little
+/// the normal turns would be divided by it.
+const LEAST_COSINE: f64 = 0.6;
 
 /// Part of a relative motion along the face with this normal. What closed the gap before the faces touched went along the
 /// axis `up` and is no slip; seen along a tilted normal it would be.

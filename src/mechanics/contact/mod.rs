@@ -147,6 +147,11 @@ impl Contact {
         Self { kinematics, grip, counterpart, facets: local, nodes, points, inward, spring, side }
     }
 
+    /// Whether the counterpart is rigid.
+    pub fn is_rigid(&self) -> bool {
+        matches!(self.counterpart, Counterpart::Rigid { .. })
+    }
+
     /// Nodes of each touched facet.
     pub fn facets(&self) -> impl Iterator<Item = Vec<u32>> {
         self.facets.iter().map(|facet| facet.iter().map(|&k| self.nodes[k as usize]).collect())

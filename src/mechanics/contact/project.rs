@@ -155,7 +155,14 @@ impl Face<'_> {
         if slide.iter().any(|slide| dot(*slide, away).abs() > 1e-9) {
             return None;
         }
-        let mut hit = Hit { facet, value: [0.0; 9], gradient: [[0.0; 2]; 9], slide, slopes: tangents.map(|t| dot(t, normal)), gap: dot(normal, away) };
+        let mut hit = Hit {
+            facet,
+            value: [0.0; 9],
+            gradient: [[0.0; 2]; 9],
+            slide,
+            slopes: tangents.map(|t| dot(t, normal)),
+            gap: dot(normal, away),
+        };
         for a in 0..nodes.len() {
             hit.value[a] = shape.value[a];
             hit.gradient[a] = [shape.gradient[a][0], shape.gradient[a][1]];

@@ -228,13 +228,6 @@ impl<'a> Solver<'a> {
             // What was balanced while nodes did something else is no measure of progress.
             let holds: Vec<Hold> = touches.iter().flat_map(|t| t.nodes.iter().map(|touch| touch.hold)).collect();
             let same = held.is_empty() || held == holds;
-            if std::env::var("DBG").is_ok() {
-                let mut flips = String::new();
-                if !held.is_empty() { let mut k = 0; for (c, t) in touches.iter().enumerate() { for (n, touch) in t.nodes.iter().enumerate() { if held[k] != touch.hold {
-                    let x = self.problem.mesh.nodes[self.problem.contacts[c].nodes[n] as usize];
-                    flips += &format!(" {:.3}:{:?}>{:?}(p{:.2} g{:.1e})", x[0], held[k], touch.hold, touch.now.normal, touch.gap.gap / touch.gap.area); } k += 1; } } }
-                eprintln!("    L{load:.4} i{iteration} f{:.1e} v{:.1e} g{:.1e} s{} d{:.2}{}", balance.force, balance.volume, balance.gap, balance.settled, self.damping.share, flips);
-            }
             held = holds;
             last = balance;
             if balance.holds() {
@@ -328,7 +321,6 @@ impl<'a> Solver<'a> {
     ) -> Result<State, StepError> {
         let mut share = 1.0;
         for _ in 0..HALVINGS {
-            if share < 1.0 && std::env::var("DBG").is_ok() { eprintln!("      share {share}"); }
             let next = self.moved(state, systems, touches, change, share);
             let sound = (0..systems.len()).into_par_iter().all(|e| self.element(e, &next, None).is_some());
             if sound {

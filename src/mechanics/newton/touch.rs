@@ -169,8 +169,12 @@ impl Touch {
     /// not quite the normal.
     pub fn odd_answer(&self, change: &[f64], dim: usize) -> Traction {
         let normal = self.answer(change, dim).normal;
-        let along: f64 =
-            self.gap.moved.iter().map(|(a, _, n)| (0..dim).map(|i| n[i] * change[*a as usize * dim + i]).sum::<f64>()).sum();
+        let along: f64 = self
+            .gap
+            .moved
+            .iter()
+            .map(|(a, _, n)| (0..dim).map(|i| n[i] * change[*a as usize * dim + i]).sum::<f64>())
+            .sum();
         let vector = self.drag.map(|c| c * normal);
         Traction { normal: normal + self.spring * along / self.gap.area, vector, bound: 0.0 }
     }

@@ -45,6 +45,10 @@ impl Assembly {
         let mut mesh = phantom;
         let (facets, counterpart, side) = match &setup.sensor {
             SensorBody::Rigid { edge_radius_mm } => rigid(setup, &mesh, *edge_radius_mm)?,
+            SensorBody::Layers { edge_radius_mm, .. } if !flat && *edge_radius_mm > 0.0 => {
+                let message = "the rim of a soft sensor is rounded in two dimensions only; use edge_radius_mm = 0";
+                return Err(PressError::Unsupported(message.into()));
+            }
             SensorBody::Layers { layers, edge_radius_mm } => {
                 let sensor = SensorMesh {
                     footprint: setup.phantom.footprint,
@@ -53,14 +57,7 @@ impl Assembly {
                     resolution: body.resolution,
                     edge_radius_mm: *edge_radius_mm,
                 };
-                let sensor = if flat {
-                    sensor.build_2d(Some(&body))?
-                } else {
-                    sensor.build_3d(Some(&body))?
-                };
-                let face = mesh.boundary_facets(Boundary::Touched);
-                let face = face.into_iter().filter(|&facet| within(&mesh, facet, MARGIN * reach(setup)));
-                let face: Vec<Vec<u32>> = face.map(|facet| mesh.facet_nodes(facet)).collect();
+                let sensor = if flat { sensor.build_2d(Some(&body))? } else { sensor.build_3d(Some(&body))? };
                 supports.extend(self::supports(
                     &sensor,
                     mesh.nodes.len() as u32,
@@ -68,25 +65,28 @@ impl Assembly {
                     Boundary::Base,
                     0.0,
                 ));
+                let face = mesh.boundary_facets(Boundary::Touched).into_iter();
+                let face: Vec<Facet> = face.filter(|&facet| within(&mesh, facet, MARGIN * reach(setup))).collect();
                 let first = append(&mut mesh, &sensor, materials.len() as u32);
                 materials.extend(layers.iter().map(|(_, material)| material.clone()));
-                let facets = sensor.boundary_facets(Boundary::Touched);
+                let of_sensor = |boundary| {
+                    let facets = sensor.boundary_facets(boundary).into_iter();
+                    facets.map(|facet| Facet { element: facet.element + first, ..facet }).collect::<Vec<Facet>>()
+                };
+                let nodes = |facets: &[Facet]| facets.iter().map(|&facet| mesh.facet_nodes(facet)).collect();
+                let touched = of_sensor(Boundary::Touched);
+                let pair = if setup.grip == Grip::Bonded {
+                    (touched, Counterpart::Face(nodes(&face)), -1.0)
+                } else {
+                    // The softer face carries the pressure, and may wrap around the sensor's rim.
+                    let all = [touched, of_sensor(Boundary::Side)].concat();
+                    (face, Counterpart::Face(nodes(&all)), 1.0)
+                };
                 bodies.push(sensor);
-                let shift = |facet: Facet| Facet { element: facet.element + first, ..facet };
-                (facets.into_iter().map(shift).collect(), Counterpart::Face(face), -1.0)
+                pair
             }
         };
         let shear = face_shear_kpa(setup);
-        let (facets, counterpart, side) = if std::env::var("FLIP").is_ok() && matches!(setup.sensor, SensorBody::Layers { .. }) {
-            let mut other: Vec<Vec<u32>> = facets.iter().map(|&f| mesh.facet_nodes(f)).collect();
-            if std::env::var("NOWALL").is_err() {
-                let first = (mesh.element_count() - bodies[1].element_count()) as u32;
-                other.extend(bodies[1].boundary_facets(Boundary::Side).into_iter().map(|f| mesh.facet_nodes(Facet { element: f.element + first, ..f })));
-            }
-            let face = bodies[0].boundary_facets(Boundary::Touched);
-            let face = face.into_iter().filter(|&facet| within(&mesh, facet, MARGIN * reach(setup))).collect();
-            (face, Counterpart::Face(other), 1.0)
-        } else { (facets, counterpart, side) };
         let contact = Contact::new(setup.kinematics, &mesh, &facets, counterpart, setup.grip, shear, side);
         let problem = Problem {
             supports,

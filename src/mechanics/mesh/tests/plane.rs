@@ -193,3 +193,35 @@ fn boundaries_lie_where_their_names_say() {
         assert_eq!(nodes.len(), 2 * mesh.boundary_facets(boundary).len() + 1);
     }
 }
+
+#[test]
+fn a_rim_is_an_arc_that_the_top_layer_carries() {
+    for (edge_radius_mm, tolerance) in [(0.5, 1e-6), (2.0, 1e-6)] {
+        let sensor = SensorMesh {
+            footprint: Footprint::Round { radius_mm: 15.0 },
+            layers_mm: vec![5.0, 3.0, 2.0],
+            symmetry: [true, false],
+            resolution: Resolution { edge_mm: 0.2, ..Resolution::PLANE },
+            edge_radius_mm,
+        };
+        let mesh = sensor.build_2d(None).unwrap();
+        assert_sound(&mesh, 0.45, 40.0);
+        // The arc turns by 60 degrees and ends at the side.
+        let (sin, cos) = std::f64::consts::FRAC_PI_3.sin_cos();
+        let start = 15.0 - edge_radius_mm * sin;
+        let mut on_arc = 0;
+        for node in mesh.boundary_nodes(Boundary::Touched) {
+            let [x, z, _] = mesh.nodes[node as usize];
+            let off = if x > start { (x - start).hypot(z + edge_radius_mm) - edge_radius_mm } else { z };
+            assert!(off.abs() < 1e-12, "{x} {z}");
+            on_arc += usize::from(x > start);
+        }
+        assert!(on_arc >= 4, "{on_arc}");
+        let lost = edge_radius_mm.powi(2) * (sin - 0.5 * std::f64::consts::FRAC_PI_3 - 0.5 * sin * cos);
+        let area = mesh.integral(|_, _| 1.0);
+        assert!((area - (150.0 - lost)).abs() < tolerance * 150.0, "{area} {lost}");
+        // Only the top layer gives way.
+        let below = (0..mesh.element_count()).filter(|&e| mesh.region[e] < 2);
+        assert!(below.flat_map(|e| mesh.element_positions(e)).all(|[x, z, _]| x <= 15.0 && z <= -2.0 + 1e-12));
+    }
+}
