@@ -5,6 +5,9 @@ use super::project::{Face, subtract};
 use super::{Bending, Contact, Counterpart, Coupling, Grip, NodeGap};
 use std::collections::HashMap;
 
+/// How a node moves a gap: weight, weight times normal, gradient.
+type Mover = (f64, [f64; 3], [f64; 3]);
+
 /// Positions that a contact is judged by.
 #[derive(Clone, Copy)]
 pub struct Positions<'a> {
@@ -31,7 +34,7 @@ impl Contact {
         };
         let face = Face { dim: self.kinematics.dim(), facets: &faces, outward: self.outward() };
         let mut gaps: Vec<NodeGap> = vec![NodeGap::default(); self.nodes.len()];
-        let mut moved: Vec<HashMap<u32, (f64, [f64; 3], [f64; 3])>> = vec![HashMap::new(); self.nodes.len()];
+        let mut moved: Vec<HashMap<u32, Mover>> = vec![HashMap::new(); self.nodes.len()];
         let mut stiffness: HashMap<(u32, u32), [[[f64; 3]; 3]; 2]> = HashMap::new();
         for point in &self.points {
             let facet = &self.facets[point.facet];

@@ -75,10 +75,11 @@ impl Assembly {
                 };
                 let nodes = |facets: &[Facet]| facets.iter().map(|&facet| mesh.facet_nodes(facet)).collect();
                 let touched = of_sensor(Boundary::Touched);
-                let pair = if setup.grip == Grip::Bonded {
+                let pair = if setup.grip == Grip::Bonded || !flat {
                     (touched, Counterpart::Face(nodes(&face)), -1.0)
                 } else {
-                    // The softer face carries the pressure, and may wrap around the sensor's rim.
+                    // The softer face carries the pressure, and may wrap around the sensor's rim. In three dimensions, where
+                    // elements do not resolve a rim, the smaller face carries it: it costs less.
                     let all = [touched, of_sensor(Boundary::Side)].concat();
                     (face, Counterpart::Face(nodes(&all)), 1.0)
                 };
