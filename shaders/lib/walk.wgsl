@@ -1,7 +1,7 @@
 // The walk: from event to event through the stack until the path meets a wall, leaves, or touches tissue.
 // The layer is carried; a hit counts only when the ray crosses outward for its layer, so there is no epsilon.
 
-// Whether this is a camera path.
+// Whether this is a camera path that reads the map. (One that goes on into tissue gains nothing and takes longer.)
 override EYE: bool = false;
 
 fn safe_divide(a: f32, b: f32) -> f32 { return select(a / b, FAR, b == 0.0); }
@@ -58,7 +58,7 @@ fn meet(i: u32, normal: vec3f, side: f32) -> bool {
     }
     let b = sqrt(b_sq);
     let r = fresnel(a, b, n_sq, n_sq + dn_sq);
-    // Nothing shines below the stack: a camera path goes on with what the lowest face mirrors.
+    // Nothing shines below the stack: go on with what the lowest face mirrors.
     let sure = EYE && i == 0u && side < 0.0 && !(ROUGH && face_kind(0u) != 0u);
     path.weight *= select(1.0, r, sure);
     let u = select(draw(), 0.0, sure);

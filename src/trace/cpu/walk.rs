@@ -59,7 +59,7 @@ impl<T: Real> Path<'_, T> {
         }
         let b = b_sq.sqrt();
         let r = fresnel(a, b, n_sq, n_sq + dn_sq);
-        // Nothing shines below the stack: a camera path goes on with what the lowest face mirrors.
+        // Nothing shines below the stack: go on with what the lowest face mirrors.
         let sure = self.eye && i == 0 && side < T::zero() && face.kind == 0;
         let u = self.draw();
         let u = if sure { T::zero() } else { u };

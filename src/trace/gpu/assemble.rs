@@ -129,7 +129,7 @@ pub fn constants(kernel: &Kernel, entry: Entry) -> Vec<(&'static str, f64)> {
     match entry {
         Entry::Camera(mode) => {
             let (mapped, complement) = (mode == CameraMode::Mapped, mode == CameraMode::Complement);
-            constants.extend([("EYE", true), ("MAPPED", mapped), ("COMPLEMENT", complement)]);
+            constants.extend([("EYE", mapped), ("MAPPED", mapped), ("COMPLEMENT", complement)]);
         }
         Entry::Photons(mode) => {
             constants.extend([("MAPPED", mode == PhotonMode::Map), ("SPLATTED", mode == PhotonMode::Splat)])
