@@ -27,8 +27,8 @@ impl<T: Real> Path<'_, T> {
         self.seed = seed;
     }
 
-    /// Uniform in [0, 1), 24 bits, and even over the paths of a seed: coordinate `z` of a rank-1 lattice sequence with a
-    /// random shift. Paths (a, b) are numbered a + 2^14 b.
+    /// Uniform in [0, 1), 24 bits, and even over the paths of a seed: the coordinate with generator `z` of a rank-1 lattice
+    /// sequence with a random shift. Paths (a, b) are numbered a + 2^14 b.
     pub fn even_draw(&mut self, z: u32) -> T {
         let h = self.place.wrapping_mul(z).wrapping_add(pcg3d([self.seed, z, 0x6c61_7474])[0]);
         T::of(f64::from(h >> 8) * 5.960_464_477_539_063e-8)
@@ -42,5 +42,31 @@ impl<T: Real> Path<'_, T> {
         h = (h ^ (h >> 15)).wrapping_add(self.key[1]).wrapping_mul(0xd35a_2d97);
         h ^= h >> 15;
         T::of(f64::from(h >> 8) * 5.960_464_477_539_063e-8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    /// Generators of the launch.
+    const GENERATORS: [u32; 6] = [1, 761_135, 257_481, 617_715, 488_567, 94_035];
+
+    /// The mean square error over all shifts, in the worst case of a function space with product weights of 0.7 (Dick, Kuo
+    /// and Sloan, Acta Numerica 22, 133, 2013, section 5), is below that of random points; in few coordinates, far below.
+    #[test]
+    fn the_lattice_of_launches_beats_random_points() {
+        let weight = 0.7 * 2.0 * std::f64::consts::PI.powi(2);
+        for (coordinates, share) in [(2, 2e-3), (4, 0.1), (6, 0.6)] {
+            for exponent in [14u32, 16, 18] {
+                let points = 1u32 << exponent;
+                let product = |k: u32| -> f64 {
+                    let x = |z: u32| f64::from(k.reverse_bits().wrapping_mul(z)) / 4_294_967_296.0;
+                    let factor = |z: &u32| 1.0 + weight * (x(*z) * (x(*z) - 1.0) + 1.0 / 6.0);
+                    GENERATORS[..coordinates].iter().map(factor).product()
+                };
+                let lattice = (0..points).map(product).sum::<f64>() / f64::from(points) - 1.0;
+                let random = ((1.0 + weight / 6.0).powi(coordinates as i32) - 1.0) / f64::from(points);
+                assert!(lattice < share * random, "{coordinates} coordinates, 2^{exponent}: {lattice:e} {random:e}");
+            }
+        }
     }
 }
