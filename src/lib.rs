@@ -37,5 +37,6 @@ pub mod mechanics;
 pub mod optics;
 pub mod report;
 pub mod scene;
+pub mod stability;
 pub mod surface;
 pub mod trace;

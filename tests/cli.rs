@@ -23,6 +23,8 @@ mod inspect;
 mod jobs;
 #[path = "cli/press.rs"]
 mod press;
+#[path = "cli/stability.rs"]
+mod stability;
 
 fn tirtouch(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tirtouch")).args(arguments).output().unwrap()

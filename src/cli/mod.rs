@@ -28,6 +28,7 @@ mod run;
 mod schema;
 mod shot;
 mod side;
+mod stability;
 mod usage;
 
 pub use error::{Failure, Outcome};
@@ -60,6 +61,7 @@ enum Command {
     Estimate(estimate::Estimate),
     Compare(compare::Compare),
     Frames(frames::FramesCommand),
+    Stability(stability::Stability),
     Inspect(inspect::Inspect),
     Schema(schema::Schema),
 }
@@ -74,6 +76,7 @@ impl Command {
             Self::Estimate(estimate) => estimate.run(),
             Self::Compare(compare) => compare.run(),
             Self::Frames(frames) => frames.run(),
+            Self::Stability(stability) => stability.run(),
             Self::Inspect(inspect) => inspect.run(),
             Self::Schema(schema) => schema.run(),
         }
