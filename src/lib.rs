@@ -30,6 +30,7 @@
 
 pub mod camera;
 pub mod cli;
+pub mod converge;
 pub mod estimate;
 pub mod film;
 pub mod image_io;

@@ -82,21 +82,25 @@ fn a_naive_cosine_fails_at_small_steps_of_the_index_and_not_against_air() {
     }
     for tracer in tracers {
         let rows = failing("near-critical incidence", tracer);
-        assert!(rows.iter().any(|row| row.case.ends_with("1.411 to 1.41")), "{rows:#?}");
-        assert!(rows.iter().all(|row| !row.case.ends_with("1.41 to 1")), "{rows:#?}");
+        let error = |case: &str| {
+            let row = rows.iter().find(|row| row.case.ends_with(case));
+            row.map_or(0.0, |row| row.error)
+        };
+        assert!(error("1.411 to 1.41") > 5e-3 && error("1.4100001 to 1.41") > 0.1, "{rows:#?}");
+        // Against air it is as good but for the last tenth of a microradian.
+        assert!(error("1.41 to 1") < 1e-3, "{rows:#?}");
     }
 }
 
-/// A start of each segment moved on by 10 nm, as renderers do that carry no layer.
+/// A start of each segment moved off its face along the normal, as renderers do that carry no layer (Mitsuba 3: 9e-5).
 fn nudge(ray: &mut Ray<f32>) {
-    ray.o = ray.o + ray.p * 1e-5;
+    ray.o.z += 1e-4 * ray.p.z.signum();
 }
 
 fn nudged_source(text: String) -> String {
     let right = "let o = path.o;\n    let p = path.p;\n    let rim";
     assert!(text.contains(right), "the shader has changed");
-    text.replace(right, "let o = path.o + 1e-5 * path.p;\n    let p = path.p;\n    let rim")
-        .replace("path.o = o + t * p;", "path.o = o + max(t, 0.0) * p;")
+    text.replace(right, "let p = path.p;\n    let o = path.o + vec3f(0.0, 0.0, 1e-4 * sign(p.z));\n    let rim")
 }
 
 #[test]

@@ -26,14 +26,15 @@ pub(super) fn write(context: &Context, folder: &OutputFolder) -> Result<(), Fail
 fn reflectance(context: &Context) -> Result<String, Failure> {
     let offsets: Vec<f64> = (-100..=20).map(|k| 1e-6 * f64::from(k)).collect();
     let mut curves = Vec::new();
-    for tracer in &context.tracers {
+    for (k, tracer) in context.tracers.iter().enumerate() {
         let samples = about_critical(tracer, [1.411, 1.41], &offsets)?;
         if curves.is_empty() {
             let points = samples.iter().map(|s| [1e6 * s.off_rad, s.exact]).collect();
             let name = "exact (f64)".into();
             curves.push(Curve { name, points, band: Vec::new(), style: CurveStyle::Line });
         }
-        let points = samples.iter().step_by(2).map(|s| [1e6 * s.off_rad, s.found]).collect();
+        let points =
+            samples.iter().skip(k).step_by(context.tracers.len()).map(|s| [1e6 * s.off_rad, s.found]).collect();
         curves.push(Curve { name: tracer.name().into(), points, band: Vec::new(), style: CurveStyle::Points });
     }
     Ok(curve_plot(&CurvePlot {
