@@ -1,6 +1,6 @@
 //! Ladders of the light: samples and integrator, texels of the map, points of height fields, arithmetic.
 
-use super::{ErrorEstimate, Rung, is_lit, square_error};
+use super::{ErrorEstimate, Rung, is_lit, is_soft, square_error};
 use crate::film::Film;
 use crate::mechanics::press::{PressStep, Pressed};
 use crate::scene::{Integrator, LoadedScene};
@@ -41,6 +41,8 @@ pub struct Subject<'a> {
     pub most_spp: u32,
     /// Runs of each rung.
     pub repeats: u32,
+    /// Fewer rungs.
+    pub quick: bool,
 }
 
 /// Settings of one rung, or of the reference.
@@ -132,8 +134,9 @@ impl Subject<'_> {
         let chosen = Plan::choose(default.integrator, &kernel)?.method;
         let mut choices = self.samples(&kernel, chosen);
         if chosen == Method::Map {
-            let texels = [8.0, 4.0, 2.0, 1.0, 0.5].map(|factor| factor * default.texel_mm);
-            choices.extend(texels.map(|texel_mm| Choice {
+            // Half the default costs several times as much, in the choice of the smoothing alone.
+            let factors: &[f64] = if self.quick { &[4.0, 2.0, 1.0] } else { &[8.0, 4.0, 2.0, 1.0, 0.5] };
+            choices.extend(factors.iter().map(|factor| factor * default.texel_mm).map(|texel_mm| Choice {
                 family: "map texel",
                 series: "map".into(),
                 setting: format!("texels of {texel_mm} mm"),
@@ -235,15 +238,19 @@ impl Subject<'_> {
         Ok(self.render(choice, self.settings.seed, observe)?.film)
     }
 
-    /// Renders a rung with seeds of its own and compares it. `None` where the reference is dark.
+    /// Renders a rung with seeds of its own and compares it: over the lit pixels, and where tissue touches over the softly
+    /// lit ones too. Empty where the reference is dark.
     pub fn measure(
         &self,
         choice: &Choice,
         reference: &Film,
         observe: &mut dyn FnMut(Stage) -> bool,
-    ) -> Result<Option<Rung>, LightError> {
-        let lit = is_lit(reference);
-        let (mut squares, mut noise, mut seconds) = (Vec::new(), 0.0, 0.0);
+    ) -> Result<Vec<Rung>, LightError> {
+        let mut parts = vec![("radiance", "", is_lit(reference))];
+        if self.loaded.scene.touch.contact.is_some() {
+            parts.push(("soft light", ", soft light", is_soft(reference)));
+        }
+        let (mut films, mut seconds) = (Vec::new(), 0.0);
         for repeat in 0..self.repeats {
             // Disjoint from the reference's seed, and the same for every rung: seeds are hashed with the replicate.
             let seed = self.settings.seed.wrapping_add(1 + repeat);
@@ -254,24 +261,28 @@ impl Subject<'_> {
             if outcome.film.mean.len() != reference.mean.len() {
                 return Err(LightError::Size);
             }
-            let Some([square, own]) = square_error(&outcome.film, reference, &lit) else { return Ok(None) };
-            squares.push(square);
-            noise = own;
+            films.push(outcome.film);
             seconds += outcome.seconds / f64::from(self.repeats);
         }
-        // The mean variance of n replicates is known to sqrt(2/(n - 1)) a patch of pixels that share photons.
-        let patches = (lit.iter().filter(|lit| **lit).count() as f64 / 256.0).max(1.0);
-        let share = (2.0 / f64::from(reference.replicates.max(2) - 1) / patches).sqrt();
-        Ok(Some(Rung {
-            family: choice.family.into(),
-            series: choice.series.clone(),
-            setting: choice.setting.clone(),
-            level: choice.level,
-            quantity: "radiance".into(),
-            error: ErrorEstimate::of_squares(&squares, noise, share),
-            seconds,
-            repeats: self.repeats,
-            is_default: choice.is_default,
-        }))
+        let rung = |(quantity, suffix, mask): &(&str, &str, Vec<bool>)| {
+            let both: Option<Vec<[f64; 2]>> = films.iter().map(|film| square_error(film, reference, mask)).collect();
+            let squares: Vec<f64> = both.as_ref()?.iter().map(|both| both[0]).collect();
+            let noise = both.as_ref()?.first()?[1];
+            // The mean variance of n replicates is known to sqrt(2/(n - 1)) a patch of pixels that share photons.
+            let patches = (mask.iter().filter(|lit| **lit).count() as f64 / 256.0).max(1.0);
+            let share = (2.0 / f64::from(reference.replicates.max(2) - 1) / patches).sqrt();
+            Some(Rung {
+                family: choice.family.into(),
+                series: format!("{}{suffix}", choice.series),
+                setting: choice.setting.clone(),
+                level: choice.level,
+                quantity: (*quantity).into(),
+                error: ErrorEstimate::of_squares(&squares, noise, share),
+                seconds,
+                repeats: self.repeats,
+                is_default: choice.is_default,
+            })
+        };
+        Ok(parts.iter().filter_map(rung).collect())
     }
 }

@@ -51,7 +51,7 @@ pub fn choices(setup: &Setup, quick: bool) -> Vec<Choice> {
     let (divisions, reference) = match (setup.kinematics, quick) {
         (Kinematics::ThreeDimensional, _) => (1..=default, 2 * default),
         (_, true) => (1..=2.max(default), 2 * 2.max(default)),
-        (_, false) => (1..=4.max(default), 2 * 4.max(default)),
+        (_, false) => (1..=3.max(default), 2 * 3.max(default)),
     };
     let mesh = |divisions: usize| {
         let mut setup = setup.clone();

@@ -9,7 +9,7 @@ pub mod light;
 pub mod mechanics;
 mod statistics;
 
-pub use statistics::{fitted_slope, is_lit, pareto, square_error};
+pub use statistics::{fitted_slope, is_lit, is_soft, pareto, square_error};
 
 use serde::{Deserialize, Serialize};
 

@@ -15,6 +15,17 @@ pub fn is_lit(film: &Film) -> Vec<bool> {
     film.mean.iter().map(|&mean| mean > 0.3 * percentile).collect()
 }
 
+/// Which pixels are lit softly: above 0.3 of the 90th percentile and at most three times the median of those. What is left
+/// out are glints, whose edges within a pixel hide all else.
+pub fn is_soft(film: &Film) -> Vec<bool> {
+    let mut sorted = film.mean.clone();
+    sorted.sort_by(f32::total_cmp);
+    let floor = 0.3 * sorted.get(sorted.len().saturating_sub(1) * 9 / 10).copied().unwrap_or(0.0);
+    let lit: Vec<f32> = sorted.into_iter().filter(|&mean| mean > floor).collect();
+    let most = 3.0 * lit.get(lit.len() / 2).copied().unwrap_or(0.0);
+    film.mean.iter().map(|&mean| mean > floor && mean <= most).collect()
+}
+
 /// Mean square difference to the reference over the lit pixels as a share of their mean's square, and what of it is the
 /// reference's own noise. `None` where nothing is lit, or sizes differ.
 pub fn square_error(film: &Film, reference: &Film, lit: &[bool]) -> Option<[f64; 2]> {
@@ -113,6 +124,15 @@ mod tests {
         let error = ErrorEstimate::of_squares(&[square; 3], noise, 0.0);
         assert!((error.value - 0.0075f64.sqrt()).abs() < 1e-6 && error.high - error.low < 1e-9, "{error:?}");
         assert_eq!(square_error(&reference, &film(&[0.0; 5], 0.0), &[true; 5]), None);
+    }
+
+    #[test]
+    fn soft_light_is_without_glints() {
+        let mut values = vec![1.0f32; 80];
+        values.extend([0.0; 15]);
+        values.extend([50.0; 5]);
+        let soft = is_soft(&film(&values, 0.0));
+        assert!(soft[..80].iter().all(|soft| *soft) && !soft[80..].contains(&true));
     }
 
     #[test]

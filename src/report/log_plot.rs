@@ -14,7 +14,7 @@ pub struct LogPoint {
     pub bar: Option<[f64; 2]>,
     /// Words beside it; empty: none.
     pub label: String,
-    /// Ringed, such as the point of the default settings.
+    /// Boxed, such as the point of the default settings.
     pub marked: bool,
 }
 
@@ -53,7 +53,7 @@ pub struct LogPlot<'a> {
     pub x: AxisName<'a>,
     /// The vertical axis.
     pub y: AxisName<'a>,
-    /// What the rings mean; empty: there are none.
+    /// What the boxes mean; empty: there are none.
     pub mark: &'a str,
     /// The series.
     pub series: Vec<LogSeries>,
@@ -62,9 +62,11 @@ pub struct LogPlot<'a> {
 /// Size of the plot, pixels, and its upper left corner.
 const SIZE: [f64; 2] = [600.0, 380.0];
 const CORNER: [f64; 2] = [92.0, 76.0];
+/// Look of the box around a marked point.
+const BOX: &str = r#"class="tt-line" stroke-width="1.6""#;
 
 impl LogPoint {
-    /// A point without bar, words and ring.
+    /// A point without bar, words and box.
     pub fn plain(at: [f64; 2]) -> Self {
         Self { at, bar: None, label: String::new(), marked: false }
     }
@@ -137,8 +139,7 @@ fn draw(svg: &mut Svg, axes: &Axes, series: &LogSeries, color: &str) {
         }
         dot(svg, [x, y], color, 7.0);
         if point.marked {
-            let ring = format!("M{:.1} {y:.1}a9 9 0 1 0 18 0a9 9 0 1 0 -18 0", x - 9.0);
-            svg.commands(&ring, r#"class="tt-line" stroke-width="1.6""#);
+            svg.rect([x - 9.0, y - 9.0, 18.0, 18.0], BOX);
         }
     }
 }
@@ -230,8 +231,7 @@ fn keys(plot: &LogPlot) -> Vec<Key> {
     let named = plot.series.iter().enumerate().filter(|(_, s)| !s.name.is_empty());
     let mut keys: Vec<Key> = named.map(key).collect();
     if !plot.mark.is_empty() {
-        let ring = r#"class="tt-line" stroke-width="1.6" rx="9""#;
-        keys.push(Key { mark: Mark::Box(ring.into()), text: plot.mark.into() });
+        keys.push(Key { mark: Mark::Box(BOX.into()), text: plot.mark.into() });
     }
     keys
 }
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn points_have_bars_words_and_rings() {
+    fn points_have_bars_words_and_boxes() {
         let svg = log_plot(&plot()).unwrap();
         assert_well_formed(&svg);
         for text in ["relative error", "tracing time (s)", "default settings", "path", "4 spp"] {

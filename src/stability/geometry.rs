@@ -53,7 +53,7 @@ fn is_astray(model: &Model<f64>, f: &Finish) -> bool {
     let index = model.layers.get(f.layer).map_or(f64::NAN, |layer| layer.n);
     let momentum = (f.p.iter().map(|p| p * p).sum::<f64>().sqrt() / index - 1.0).abs();
     let under_way = f.end == End::GoesOn as u32;
-    outside > Seen::OUTSIDE_MM || under_way && !(momentum <= Seen::MOMENTUM)
+    outside > Seen::OUTSIDE_MM || under_way && (momentum.is_nan() || momentum > Seen::MOMENTUM)
 }
 
 /// Height of an interface above a point.

@@ -4,9 +4,9 @@ use super::frames::names;
 use super::*;
 use tirtouch::converge::{ErrorEstimate, is_lit, square_error};
 
-/// A contact scene of few pixels.
+/// A scene of few pixels and large texels.
 fn scene(place: &Place, name: &str) -> String {
-    place.write("scene.toml", &small(name))
+    place.write("scene.toml", &(small(name) + "\n[render]\nmap_texel_mm = 0.5\n"))
 }
 
 #[test]

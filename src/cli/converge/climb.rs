@@ -106,6 +106,7 @@ impl Climb<'_> {
             settings: self.settings.clone(),
             most_spp: self.most_spp,
             repeats: if self.quick { 3 } else { 4 },
+            quick: self.quick,
         };
         let (reference, why) = subject.reference()?;
         let choices = subject.choices()?;
@@ -127,14 +128,14 @@ impl Climb<'_> {
             let name = format!("light-{}-{}-{}", choice.family, choice.series, choice.setting);
             let name: String =
                 name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' }).collect();
-            let rung: Option<Rung> = records.item_or(&name, || {
+            let found: Vec<Rung> = records.item_or(&name, || {
                 let observe = &mut |stage: crate::trace::Stage| {
                     progress.observe((before + stage.done * cost(choice)) / total, &choice.setting);
                     !cancel::requested()
                 };
                 Ok(subject.measure(choice, &film, observe)?)
             })?;
-            rungs.extend(rung);
+            rungs.extend(found);
             before += cost(choice);
         }
         Ok(Ok(why))
