@@ -2,13 +2,14 @@
 
 use super::Only;
 use super::records::Records;
+use crate::cli::facts::figure;
 use crate::cli::{Failure, Progress, cancel};
 use crate::converge::light::{Choice, LightError, Subject};
 use crate::converge::mechanics::{self, Found as PressFound};
 use crate::converge::{Rung, is_lit};
 use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::path::PathError;
-use crate::mechanics::press::{PressError, PressSettings, Pressed, press};
+use crate::mechanics::press::{Load, PressError, PressSettings, Pressed, press};
 use crate::scene::LoadedScene;
 use crate::trace::Settings;
 use std::path::Path;
@@ -50,7 +51,7 @@ impl Climb<'_> {
         let mechanics = match self.only {
             Some(Only::Light) => Err("not asked for".to_owned()),
             _ if self.loaded.scene.press.is_none() => Err("the scene presses nothing".to_owned()),
-            _ => Ok(self.mechanics(records, &mut rungs)?),
+            _ => self.mechanics(records, &mut rungs)?,
         };
         let light = match self.only {
             Some(Only::Mechanics) => Err("not asked for".to_owned()),
@@ -69,7 +70,7 @@ impl Climb<'_> {
         }
     }
 
-    fn mechanics(&self, records: &Records, rungs: &mut Vec<Rung>) -> Result<String, Failure> {
+    fn mechanics(&self, records: &Records, rungs: &mut Vec<Rung>) -> Result<Result<String, String>, Failure> {
         let setup = press_setup(self.loaded).map_err(|error| self.press_failure(error))?;
         let choices = mechanics::choices(&setup, self.quick);
         // Work grows about with the cube of the divisions: that of a step is that of a mesh.
@@ -85,16 +86,20 @@ impl Climb<'_> {
                     progress.observe((before + stage.done * cost(&choice)) / total, &what);
                     !cancel::requested()
                 });
-                let found = found.map_err(|error| self.press_failure(error))?;
-                found.ok_or_else(|| Failure::failed(format!("{}: the press has no load", self.file.display())))
+                found.map_err(|error| self.press_failure(error))
             })?;
             before += cost(&choice);
             all.push((choice, found));
         }
         rungs.extend(mechanics::rungs(&all));
         let reference = all.iter().find(|(choice, _)| choice.family == "mesh" && choice.is_reference);
-        Ok(reference
-            .map_or_else(String::new, |(choice, found)| format!("{}, {} unknowns", choice.setting, found.unknowns)))
+        let unit = if matches!(setup.load, Load::Depths(_)) { "mm" } else { "N" };
+        Ok(match (reference, mechanics::common_load(&all, "mesh")) {
+            (Some((choice, found)), Some(load)) => {
+                Ok(format!("{}, {} unknowns, at {} {unit}", choice.setting, found.unknowns, figure(load)))
+            }
+            _ => Err("no load was reached on every mesh".to_owned()),
+        })
     }
 
     fn light(&self, records: &Records, rungs: &mut Vec<Rung>) -> Result<Result<String, String>, Failure> {
