@@ -87,7 +87,7 @@ fn a_press_has_ladders_of_meshes_and_load_steps() {
         let steps = errors("load steps", quantity);
         assert!(steps.len() == 2 && steps.iter().all(|e| *e < 1e-6), "{quantity}: {steps:?}");
     }
-    for name in ["converge_mesh.svg", "converge_load_steps.svg"] {
+    for name in ["converge_mesh.svg", "converge_mesh_pressure.svg", "converge_load_steps.svg"] {
         assert!(place.path().join("ladders").join(name).exists(), "{name}");
     }
 }

@@ -5,20 +5,28 @@ use crate::cli::Failure;
 use crate::converge::{FAMILIES, Family, Rung, pareto};
 use crate::report::{AxisName, LogPlot, LogPoint, LogSeries, LogStyle, log_plot};
 
-/// Name and text of each picture.
+/// Name and text of each picture: one for each quantity of a family, the first without its name.
 pub(super) fn draw(name: &str, rungs: &[Rung]) -> Result<Vec<(String, String)>, Failure> {
     let mut pictures = Vec::new();
     for family in FAMILIES {
         let members: Vec<&Rung> = rungs.iter().filter(|rung| rung.family == family.name).collect();
-        if !members.is_empty() {
-            let file = format!("converge_{}.svg", family.name.replace(' ', "_"));
-            pictures.push((file, picture(name, &family, &members)?));
+        let mut quantities: Vec<&str> = Vec::new();
+        for rung in &members {
+            if !quantities.contains(&rung.quantity.as_str()) {
+                quantities.push(&rung.quantity);
+            }
+        }
+        for (k, quantity) in quantities.iter().enumerate() {
+            let own: Vec<&Rung> = members.iter().filter(|rung| rung.quantity == *quantity).copied().collect();
+            let suffix = if k == 0 { String::new() } else { format!("_{quantity}") };
+            let file = format!("converge_{}{suffix}.svg", family.name).replace(' ', "_");
+            pictures.push((file, picture(name, &family, quantity, &own)?));
         }
     }
     Ok(pictures)
 }
 
-fn picture(name: &str, family: &Family, members: &[&Rung]) -> Result<String, Failure> {
+fn picture(name: &str, family: &Family, quantity: &str, members: &[&Rung]) -> Result<String, Failure> {
     let names = series(members);
     let mut drawn = Vec::new();
     for series in &names {
@@ -31,7 +39,7 @@ fn picture(name: &str, family: &Family, members: &[&Rung]) -> Result<String, Fai
         });
         drawn.push(LogSeries { name: series.clone(), points: points.collect(), style: LogStyle::Points });
     }
-    drawn.extend(fronts(members));
+    drawn.push(front(members));
     // Through the last point of the first series.
     let anchor = drawn.first().and_then(|series| series.points.last()).map(|point| point.at);
     let spread = members
@@ -45,7 +53,7 @@ fn picture(name: &str, family: &Family, members: &[&Rung]) -> Result<String, Fai
             style: LogStyle::Dashed,
         }));
     }
-    let subtitle = format!("{name}: {}, against a finer reference; bars hold 95 %", family.title);
+    let subtitle = format!("{name}: {}; {quantity}, against a finer reference; bars hold 95 %", family.title);
     Ok(log_plot(&LogPlot {
         title: "Error against run time",
         subtitle: &subtitle,
@@ -65,20 +73,11 @@ fn label(rung: &Rung) -> String {
     }
 }
 
-/// What no other rung beats in both, of each quantity.
-fn fronts(members: &[&Rung]) -> Vec<LogSeries> {
-    let mut quantities: Vec<&str> = members.iter().map(|rung| rung.quantity.as_str()).collect();
-    quantities.dedup();
-    quantities
-        .iter()
-        .map(|quantity| {
-            let own: Vec<&Rung> = members.iter().filter(|rung| rung.quantity == **quantity).copied().collect();
-            let front = pareto(&own);
-            let mut best: Vec<&Rung> = own.into_iter().zip(front).filter(|(_, on)| *on).map(|(rung, _)| rung).collect();
-            best.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
-            let points = best.iter().map(|rung| LogPoint::plain([rung.seconds, rung.error.value])).collect();
-            let name = if quantities.len() > 1 { format!("Pareto front, {quantity}") } else { "Pareto front".into() };
-            LogSeries { name, points, style: LogStyle::Line }
-        })
-        .collect()
+/// What no other rung beats in both.
+fn front(members: &[&Rung]) -> LogSeries {
+    let front = pareto(members);
+    let mut best: Vec<&Rung> = members.iter().zip(front).filter(|(_, on)| *on).map(|(rung, _)| *rung).collect();
+    best.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let points = best.iter().map(|rung| LogPoint::plain([rung.seconds, rung.error.value])).collect();
+    LogSeries { name: "Pareto front".into(), points, style: LogStyle::Line }
 }
