@@ -4,8 +4,9 @@
 //!
 //! `splat` is unbiased on flat stacks and meets the same photons as `map` where the seed is the same, so the two images
 //! differ by the map's bias and by little noise. Each round is one render at default samples: its spread is the noise that
-//! a user sees. Only the middle of the image is rendered. Writes `map_bias.csv` and prints the table for
-//! docs/decisions/map-texel.md. Takes about 10 minutes on 2 cores.
+//! a user sees. The map is smoothed as such a render would smooth it, by a kernel chosen from 16 replicates of its own; a third
+//! argument `raw` leaves that out. Only the middle of the image is rendered. Writes `map_bias.csv` and prints the table
+//! for docs/decisions/map-texel.md. Takes about 10 minutes on 2 cores.
 
 mod statistics;
 
@@ -15,6 +16,8 @@ use std::path::PathBuf;
 use tirtouch::scene::{LoadedScene, preset};
 use tirtouch::surface::{contact_map, surface};
 use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
+use tirtouch::trace::exitance::{Smoothing, TouchedFace};
+use tirtouch::trace::render::REPLICATES;
 use tirtouch::trace::{Backend, BackendChoice, Method, Model, Precision};
 
 /// A scene, the middle of its image, and the radius of what is looked at.
@@ -29,7 +32,7 @@ const CASES: [Case; 2] = [
     Case { scene: "contact-disc", pixels: [112, 112], radius_mm: 4.0 },
     Case { scene: "press-hertz", pixels: [144, 144], radius_mm: 5.0 },
 ];
-const TEXELS_MM: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+const TEXELS_MM: [f64; 3] = [0.5, 0.25, 0.125];
 /// Half the width of the ring of pixels about the rim.
 const RIM_PIXELS: f64 = 2.5;
 
@@ -53,13 +56,14 @@ struct Rounds {
 
 fn main() -> Result<()> {
     let folder = std::env::args().nth(1).map_or_else(|| PathBuf::from("out/map-bias"), PathBuf::from);
+    let raw = std::env::args().nth(3).is_some_and(|word| word == "raw");
     let rounds = std::env::args().nth(2).map_or(Ok(16), |n| n.parse()).context("the second argument is rounds")?;
     std::fs::create_dir_all(&folder)?;
     let mut rows = Vec::new();
     for case in &CASES {
-        let splat = measure(case, Method::Splat, TEXELS_MM[0], rounds)?;
+        let splat = measure(case, Method::Splat, TEXELS_MM[0], rounds, raw)?;
         for texel_mm in TEXELS_MM {
-            let map = measure(case, Method::Map, texel_mm, rounds)?;
+            let map = measure(case, Method::Map, texel_mm, rounds, raw)?;
             rows.push(row(case, texel_mm, &map, &splat));
         }
     }
@@ -67,7 +71,7 @@ fn main() -> Result<()> {
     write_csv(&rows, &folder.join("map_bias.csv"))
 }
 
-fn measure(case: &Case, method: Method, texel_mm: f64, rounds: u32) -> Result<Rounds> {
+fn measure(case: &Case, method: Method, texel_mm: f64, rounds: u32, raw: bool) -> Result<Rounds> {
     let mut loaded = preset(case.scene)?;
     loaded.scene.render.map_texel_mm = texel_mm;
     let mut model = Model::new(&loaded, &surface(&loaded)?, contact_map(&loaded)?)?;
@@ -87,8 +91,22 @@ fn measure(case: &Case, method: Method, texel_mm: f64, rounds: u32) -> Result<Ro
     let (pacer, totals) = (Pacer::default(), Totals::default());
     let mut batch = Batch { model: &model, backend: &mut backend, method, seed: 1, pacer, totals };
     let mut out = Rounds::default();
+    let face = TouchedFace::new(&model);
+    let mut smoothing = Smoothing::default();
+    if method == Method::Map && !raw {
+        let part = Work { photons: work.photons / u64::from(REPLICATES), ..work };
+        let lights = (0..REPLICATES).map(|k| batch.contact_light(1000 + k, part, &face, &mut |_, _| true));
+        smoothing = face.choose(&lights.collect::<Result<Vec<_>, _>>()?);
+        eprintln!("boxes of {:?} texels", smoothing.widths);
+    }
     for round in 0..rounds {
-        let image = batch.replicate(round, work, &mut |_, _| true)?;
+        let image = if method == Method::Map {
+            let light = batch.contact_light(round, work, &face, &mut |_, _| true)?;
+            let texels = face.texels(&[light], smoothing).pop().context("a map")?;
+            batch.mapped(round, work, &texels, &mut |_, _| true)?
+        } else {
+            batch.replicate(round, work, &mut |_, _| true)?
+        };
         out.means.rounds.push(masks.iter().map(|mask| statistics::marked_mean(&image, mask)).collect());
         for (blocks, edge) in out.blocks.iter_mut().zip([4, 16]) {
             blocks.rounds.push(block_means(&image, case.pixels, edge));

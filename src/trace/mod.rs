@@ -17,6 +17,7 @@ pub mod rays;
 pub mod real;
 pub mod render;
 mod scene_model;
+mod smooth;
 mod spread;
 
 pub use backend::{Backend, BackendChoice, Precision, TraceError};

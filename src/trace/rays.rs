@@ -46,7 +46,7 @@ pub fn sample_rays(model: &Model<f64>, count: usize, seed: u32) -> Vec<Ray> {
         }
         let mut path = Path::new(model, Limits::default());
         path.trail = Some(Vec::new());
-        path.start_random(seed, 0, sample);
+        path.start_random(seed, sample, 0);
         let launched = path.launch();
         if launched == End::GoesOn && turn_into_section(&mut path) {
             rays.extend(follow(path));

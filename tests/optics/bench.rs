@@ -77,14 +77,15 @@ pub fn sums<const K: usize, T: Real>(
     n: u64,
     trial: impl Fn(&mut Path<T>) -> [f64; K] + Sync,
 ) -> [f64; K] {
-    let threads = 64;
+    let threads = 64u32;
     (0..threads)
         .into_par_iter()
         .map(|thread| {
             let mut path = path(model, 0, [0.0; 3], [0.0; 3]);
-            path.start_random(seed, thread, 0);
             let mut sum = [0.0; K];
-            for _ in 0..n / u64::from(threads) {
+            let each = n / u64::from(threads);
+            for trial_of_thread in 0..each {
+                path.start_random(seed, (u64::from(thread) * each + trial_of_thread) as u32, 0);
                 let found = trial(&mut path);
                 sum.iter_mut().zip(found).for_each(|(s, v)| *s += v);
             }

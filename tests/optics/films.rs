@@ -72,7 +72,7 @@ fn bright(preset: &str) -> LoadedScene {
 fn paths_splats_and_map_agree_on_a_disc_of_contact_and_see_an_albedo_off_by_4_percent() {
     let mut loaded = bright("contact-disc");
     let model = bench::model(&loaded);
-    let path = film(&model, Integrator::Path, 768, 1 << 20, 1);
+    let path = film(&model, Integrator::Path, 1536, 1 << 20, 1);
     let splat = film(&model, Integrator::Splat, 64, 1 << 22, 2);
     let map = film(&model, Integrator::Map, 64, 1 << 22, 3);
     agree_within(0.02, "path and splat", &path, &splat);
@@ -88,10 +88,10 @@ fn paths_splats_and_map_agree_on_a_disc_of_contact_and_see_an_albedo_off_by_4_pe
 #[test]
 fn paths_splats_and_map_agree_on_a_press_with_partial_contact_and_spread() {
     let model = bench::model(&bright("press-hertz"));
-    let path = film(&model, Integrator::Path, 640, 1 << 20, 1);
-    let splat = film(&model, Integrator::Splat, 32, 1 << 21, 2);
+    let path = film(&model, Integrator::Path, 1280, 1 << 20, 1);
+    let splat = film(&model, Integrator::Splat, 64, 1 << 22, 2);
     let map = film(&model, Integrator::Map, 32, 1 << 21, 3);
-    // Light trapped between clear walls makes long paths: 5 s of them see 4 %.
+    // Light trapped between clear walls makes long paths: 8 s of them see 4 %.
     agree_within(0.04, "path and splat", &path, &splat);
     agree_within(0.04, "path and map", &path, &map);
     agree_within(0.04, "splat and map", &splat, &map);
@@ -105,7 +105,7 @@ fn photons_leave_leds_of_every_pattern_as_paths_find_them() {
         led.cutoff_half_angle_deg = Some(60.0 + 3.0 * k as f64);
     }
     let model = bench::model(&loaded);
-    let path = film(&model, Integrator::Path, 768, 1 << 20, 7);
+    let path = film(&model, Integrator::Path, 1536, 1 << 20, 7);
     let map = film(&model, Integrator::Map, 64, 1 << 22, 8);
     agree_within(0.02, "cosine powers", &path, &map);
 }

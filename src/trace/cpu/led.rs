@@ -83,7 +83,7 @@ impl<T: Real> Path<'_, T> {
 
     /// Squared sine to the disc's normal, and azimuth.
     fn led_direction(&mut self, led: &Led<T>) -> (T, T) {
-        let (u, v) = (self.draw(), self.draw());
+        let (u, v) = (self.even_draw(498_753), self.even_draw(110_745));
         if let Some(table) = led.table {
             let cells = &self.model.led_tables[table..table + TABLE_EDGE * TABLE_EDGE];
             let cell = cells.partition_point(|c| c[1] <= u).min(cells.len() - 1);
@@ -101,12 +101,12 @@ impl<T: Real> Path<'_, T> {
     /// Starts a photon at an LED.
     pub fn launch(&mut self) -> End {
         let (zero, one) = (T::zero(), T::one());
-        let pick = self.draw();
+        let pick = self.even_draw(1);
         let leds = &self.model.leds;
         let k = leds.iter().position(|l| pick < l.cumulative).unwrap_or(leds.len() - 1);
         let led = &leds[k];
-        let r = led.radius * self.draw().sqrt();
-        let turn = T::of(TAU) * self.draw();
+        let r = led.radius * self.even_draw(182_667).sqrt();
+        let turn = T::of(TAU) * self.even_draw(469_891);
         let along = led.along + r * turn.cos();
         let z = led.height + r * turn.sin();
         let (sin_sq, azimuth) = self.led_direction(led);
@@ -146,7 +146,7 @@ impl<T: Real> Path<'_, T> {
         let dn_sq = -layer.side_dn_sq;
         let b_sq = dn_sq + a * a;
         let f = reflectance(a, dn_sq, self.model.surround_n * self.model.surround_n);
-        let u = self.draw();
+        let u = self.even_draw(446_247);
         self.record(256 + led.wall * 2 + u32::from(u >= f), (u - f).abs());
         if u < f {
             return End::Sides;

@@ -117,6 +117,12 @@ pub struct Path<'m, T: Real> {
     pub key: [u32; 2],
     /// Numbers drawn.
     pub draws: u32,
+    /// Place in the lattice of the launch.
+    pub place: u32,
+    /// Seed of the lattice's shift.
+    pub seed: u32,
+    /// Whether it comes from the camera and reads the map.
+    pub eye: bool,
     /// Interactions.
     pub bounces: u32,
     /// Wall it met: 0 +x, 1 -x, 2 +y, 3 -y.
@@ -154,6 +160,9 @@ impl<'m, T: Real> Path<'m, T> {
             weight: T::one(),
             key: [0; 2],
             draws: 0,
+            place: 0,
+            eye: false,
+            seed: 0,
             bounces: 0,
             wall: 0,
             reflected: false,

@@ -23,6 +23,15 @@ impl<T: Real> Path<'_, T> {
         let key = pcg3d([seed, a, b]);
         self.key = [key[0], key[1]];
         self.draws = 0;
+        self.place = (b << 14).wrapping_add(a).reverse_bits();
+        self.seed = seed;
+    }
+
+    /// Uniform in [0, 1), 24 bits, and even over the paths of a seed: coordinate `z` of a rank-1 lattice sequence with a
+    /// random shift. Paths (a, b) are numbered a + 2^14 b.
+    pub fn even_draw(&mut self, z: u32) -> T {
+        let h = self.place.wrapping_mul(z).wrapping_add(pcg3d([self.seed, z, 0x6c61_7474])[0]);
+        T::of(f64::from(h >> 8) * 5.960_464_477_539_063e-8)
     }
 
     /// Uniform in [0, 1), 24 bits.

@@ -59,7 +59,13 @@ impl<T: Real> Path<'_, T> {
         }
         let b = b_sq.sqrt();
         let r = fresnel(a, b, n_sq, n_sq + dn_sq);
+        // Nothing shines below the stack: go on with what the lowest face mirrors.
+        let sure = self.eye && i == 0 && side < T::zero() && face.kind == 0;
         let u = self.draw();
+        let u = if sure { T::zero() } else { u };
+        if sure {
+            self.weight = self.weight * r;
+        }
         if u < r {
             self.record(code + 1, r - u);
             self.reflected = true;
@@ -80,7 +86,7 @@ impl<T: Real> Path<'_, T> {
         if self.bounces >= self.limits.event_cap {
             return End::Cap;
         }
-        let faint = self.weight < T::of(0.1);
+        let faint = self.weight < T::of(if self.eye { 0.01 } else { 0.1 });
         if faint || self.bounces > self.limits.roulette_start {
             let keep = T::of(if faint { 0.5 } else { 0.95 });
             if self.draw() >= keep {

@@ -128,7 +128,8 @@ pub fn constants(kernel: &Kernel, entry: Entry) -> Vec<(&'static str, f64)> {
     }
     match entry {
         Entry::Camera(mode) => {
-            constants.extend([("MAPPED", mode == CameraMode::Mapped), ("COMPLEMENT", mode == CameraMode::Complement)])
+            let (mapped, complement) = (mode == CameraMode::Mapped, mode == CameraMode::Complement);
+            constants.extend([("EYE", mapped), ("MAPPED", mapped), ("COMPLEMENT", complement)]);
         }
         Entry::Photons(mode) => {
             constants.extend([("MAPPED", mode == PhotonMode::Map), ("SPLATTED", mode == PhotonMode::Splat)])

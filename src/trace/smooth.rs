@@ -1,0 +1,146 @@
+//! Smoothing of a density over a face whose edges it must not feel.
+//!
+//! The kernel is three boxes along each axis. A straight line is fitted with it about each texel, over the area that there is
+//! (local linear regression: Fan and Gijbels 1996, Local Polynomial Modelling), so slopes are kept up to the edges. That, S,
+//! is used as 2 S - S S: the twiced kernel has no second moment, so where the density varies smoothly the bias falls
+//! with the fourth power of the width (Stuetzle and Mittal 1979).
+
+/// Smooths densities over one face with one width.
+pub struct Smoother<'a> {
+    columns: usize,
+    width: usize,
+    area: &'a [f64],
+    /// Of each texel: the fit's value there from the sums of density, and of density times distance along both axes.
+    fit: Vec<[f64; 3]>,
+}
+
+/// Least determinant of a fit, as a share of that of an unbounded face.
+const LEAST: f64 = 1e-3;
+
+impl<'a> Smoother<'a> {
+    /// For a face of `columns` texels in a row with these areas; boxes of `width` texels (odd; 1 does nothing).
+    pub fn new(area: &'a [f64], columns: usize, width: usize) -> Self {
+        let mut smoother = Self { columns, width, area, fit: Vec::new() };
+        if width > 1 {
+            let sum = |powers: [i32; 2]| smoother.sum(area, powers);
+            let sums = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]].map(sum);
+            // Variance of a box of w texels is (w^2 - 1) / 12.
+            let spread = ((width * width - 1) as f64 / 4.0).powi(2);
+            let row = |k: usize| fit(sums.each_ref().map(|sum| sum[k]), smoother.place(k), spread);
+            smoother.fit = (0..area.len()).map(row).collect();
+        }
+        smoother
+    }
+
+    /// A smoothed density.
+    pub fn smooth(&self, density: &[f64]) -> Vec<f64> {
+        if self.width <= 1 {
+            return density.to_vec();
+        }
+        let once = self.once(density);
+        let twice = self.once(&once);
+        once.iter().zip(twice).map(|(once, twice)| 2.0 * once - twice).collect()
+    }
+
+    fn once(&self, density: &[f64]) -> Vec<f64> {
+        let flux: Vec<f64> = density.iter().zip(self.area).map(|(density, area)| density * area).collect();
+        let [whole, x, y] = [[0, 0], [1, 0], [0, 1]].map(|powers| self.sum(&flux, powers));
+        let value = |(k, fit): (usize, &[f64; 3])| {
+            let place = self.place(k);
+            fit[0] * whole[k] + fit[1] * (x[k] - place[0] * whole[k]) + fit[2] * (y[k] - place[1] * whole[k])
+        };
+        self.fit.iter().enumerate().map(value).collect()
+    }
+
+    fn place(&self, k: usize) -> [f64; 2] {
+        [(k % self.columns) as f64, (k / self.columns) as f64]
+    }
+
+    /// Sums under the kernel of a field times powers of the place.
+    fn sum(&self, field: &[f64], powers: [i32; 2]) -> Vec<f64> {
+        let times = |(k, v): (usize, &f64)| v * self.place(k)[0].powi(powers[0]) * self.place(k)[1].powi(powers[1]);
+        let mut field: Vec<f64> = field.iter().enumerate().map(times).collect();
+        let rows = field.len() / self.columns;
+        for (columns, rows) in [(self.columns, rows), (rows, self.columns)] {
+            for _ in 0..3 {
+                boxes(&mut field, columns, self.width);
+            }
+            field = (0..field.len()).map(|k| field[(k % rows) * columns + k / rows]).collect();
+        }
+        field
+    }
+}
+
+/// First row of the inverse of the fit's normal matrix, from the moments of the area about the origin.
+fn fit([m, mx, my, mxx, mxy, myy]: [f64; 6], [x, y]: [f64; 2], spread: f64) -> [f64; 3] {
+    if m <= 0.0 {
+        return [0.0; 3];
+    }
+    let (a, b) = (mx - x * m, my - y * m);
+    let (aa, ab, bb) =
+        (mxx - 2.0 * x * mx + x * x * m, mxy - x * my - y * mx + x * y * m, myy - 2.0 * y * my + y * y * m);
+    let minors = [aa * bb - ab * ab, b * ab - a * bb, a * ab - b * aa];
+    let determinant = m * minors[0] + a * minors[1] + b * minors[2];
+    if determinant <= LEAST * m * m * m * spread {
+        return [1.0 / m, 0.0, 0.0];
+    }
+    minors.map(|minor| minor / determinant)
+}
+
+/// Means of `width` neighbours in each row; beyond the ends there is nothing.
+fn boxes(field: &mut [f64], columns: usize, width: usize) {
+    let half = width / 2;
+    let mut sums = vec![0.0; columns + 1];
+    for row in field.chunks_mut(columns) {
+        for (k, v) in row.iter().enumerate() {
+            sums[k + 1] = sums[k] + v;
+        }
+        for (k, v) in row.iter_mut().enumerate() {
+            *v = (sums[(k + half + 1).min(columns)] - sums[k.saturating_sub(half)]) / width as f64;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const COLUMNS: usize = 64;
+
+    fn along(power: i32) -> Vec<f64> {
+        (0..COLUMNS * 50).map(|k| ((k % COLUMNS) as f64).powi(power) + (k / COLUMNS) as f64).collect()
+    }
+
+    /// A face without its first rows and beyond a slanted edge.
+    fn cut() -> Vec<f64> {
+        let there = |k: usize| k >= 700 && k % COLUMNS + k / COLUMNS < 95;
+        (0..COLUMNS * 50).map(|k| f64::from(u8::from(there(k)))).collect()
+    }
+
+    #[test]
+    fn slopes_are_kept_up_to_the_edges_and_parabolas_within() {
+        let (area, slope) = (cut(), along(1));
+        let kept = Smoother::new(&area, COLUMNS, 9).smooth(&slope);
+        let off = |k: usize| if area[k] > 0.0 { (kept[k] - slope[k]).abs() } else { 0.0 };
+        assert!((0..area.len()).all(|k| off(k) < 1e-8));
+        let (parabola, middle) = (along(2), 30 * COLUMNS + 32);
+        assert!((Smoother::new(&area, COLUMNS, 5).smooth(&parabola)[middle] - parabola[middle]).abs() < 1e-8);
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_far_is_not_felt(width in prop::sample::select(vec![3usize, 7, 13]), place in 0usize..COLUMNS * 50) {
+            let area = vec![1.0; COLUMNS * 50];
+            let mut light = vec![0.0; area.len()];
+            light[place] = 1.0;
+            let smooth = Smoother::new(&area, COLUMNS, width).smooth(&light);
+            let reach = 6 * (width / 2) + 1;
+            let far = |a: usize, b: usize| a.abs_diff(b) > reach;
+            for (k, v) in smooth.iter().enumerate() {
+                let apart = far(k % COLUMNS, place % COLUMNS) || far(k / COLUMNS, place / COLUMNS);
+                prop_assert!(!apart || v.abs() < 1e-9);
+            }
+        }
+    }
+}
