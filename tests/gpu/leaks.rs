@@ -3,7 +3,7 @@
 //! `TIRTOUCH_LEAK_SEGMENTS=1e8` asks for that many segments on every preset (some minutes); 2e6 without it.
 
 use crate::scenes::{Case, presets, variants};
-use crate::watch::{Seen, direction};
+use crate::watch::{Seen, assert_sound, direction};
 use rayon::prelude::*;
 use tirtouch::trace::cpu::{Limits, Path};
 use tirtouch::trace::model::Real;
@@ -47,7 +47,7 @@ fn no_ray_leaves_its_layer_or_gets_stuck() {
         let start = std::time::Instant::now();
         let seen = watch(case, segments);
         println!("{} ({:.1} s): {seen:?}", case.name, start.elapsed().as_secs_f64());
-        seen.assert_sound(&case.name);
+        assert_sound(&seen, &case.name);
         assert!(seen.lost as f64 <= LOST_TOLERANCE * seen.paths as f64, "{}: {seen:?}", case.name);
     }
 }
