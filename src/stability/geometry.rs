@@ -1,16 +1,15 @@
 //! Rays that graze, that run through corners and edges, and that LEDs send: none may get lost.
 
 use super::row::{Part, Row, Subject};
-use super::scenes::{HardScene, hard_scenes, layers};
+use super::scenes::{hard_scenes, layers};
 use super::tracer::{Finish, Start, Tracer};
 use super::watch::{Seen, direction};
 use super::{Context, StabilityError};
 use crate::scene::{Walls, preset, validate};
 use crate::trace::batch::{Batch, Pacer, Totals};
 use crate::trace::cpu::{End, Limits, Path, book};
-use crate::trace::model::{Real, Shape};
+use crate::trace::model::Shape;
 use crate::trace::{Method, Model};
-use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// Steps that a hard ray is followed for.
@@ -139,7 +138,8 @@ pub fn ledgers(context: &Context, tracer: &Tracer) -> Result<Vec<Row>, Stability
 pub fn watched_paths(context: &Context) -> Result<Vec<Row>, StabilityError> {
     let segments = if context.quick { 20_000 } else { 2_000_000 };
     let scenes = hard_scenes(context.quick)?;
-    let seen = scenes.iter().map(|scene| watch(scene, segments)).fold(Seen::default(), Seen::merge);
+    let seen =
+        scenes.iter().map(|scene| Seen::of_scene(&scene.model.cast(), segments)).fold(Seen::default(), Seen::merge);
     let case = format!("{} segments in {} scenes", seen.segments, scenes.len());
     let subject = Subject::new(Part::Light, case, "cpu f32");
     let lost = seen.lost as f64 / seen.paths.max(1) as f64;
@@ -157,32 +157,6 @@ pub fn watched_paths(context: &Context) -> Result<Vec<Row>, StabilityError> {
         ),
         subject.absolute("|p| / n - 1, worst", [seen.momentum, 0.0], "0", Seen::MOMENTUM, "tens of roundings a bounce"),
     ])
-}
-
-/// Follows paths of one scene until they have made so many segments.
-fn watch(scene: &HardScene, segments: u64) -> Seen {
-    const ROUND: u32 = 1024;
-    let model = scene.model.cast::<f32>();
-    let [half_x, half_y] = model.half_size.map(Real::wide);
-    let mut all = Seen::default();
-    for round in 0.. {
-        let seen = (0..ROUND).into_par_iter().map(|k| {
-            let mut seen = Seen::default();
-            seen.photon(&model, round, k);
-            // A camera path: any point of the lowest face, any direction up.
-            let mut draws = Path::new(&model, Limits::default());
-            draws.start_random(!round, k, 0);
-            let [x, y, z, turn] = std::array::from_fn(|_| draws.draw().wide());
-            let at = [(2.0 * x - 1.0) * half_x, (2.0 * y - 1.0) * half_y];
-            seen.camera_ray(&model, round.wrapping_mul(ROUND).wrapping_add(k), at, direction(z.acos(), TAU * turn));
-            seen
-        });
-        all = all.merge(seen.reduce(Seen::default, Seen::merge));
-        if all.segments >= segments {
-            break;
-        }
-    }
-    all
 }
 
 /// A cap on interactions cuts light off, and the ledger counts it. A layer without thickness is refused.

@@ -9,13 +9,13 @@ use super::solved::{graded, solve};
 use super::{Context, StabilityError};
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::Material;
-use crate::mechanics::mesh::{Footprint, InclusionShape, Mesh, PhantomMesh, PhantomShape, Star};
+use crate::mechanics::mesh::{Footprint, InclusionShape, Mesh, MeshError, PhantomMesh, PhantomShape, Star};
 use crate::mechanics::problem::{Problem, Support};
 use crate::mechanics::read_out::samples;
 
 /// Distance to the boundary, which moves as if there were no sphere (radius 1 mm): an error of 4 FAR^-3, 5e-4. Farther out,
 /// round-off keeps extreme contrasts from balancing.
-const FAR: f64 = 20.0;
+pub const FAR: f64 = 20.0;
 const POISSON: f64 = 0.3;
 
 /// Contrasts from 1e-6 to 1e6.
@@ -45,14 +45,12 @@ pub fn rows(context: &Context) -> Result<Vec<Row>, StabilityError> {
     Ok(rows)
 }
 
-/// Mean axial strain in a sphere whose surroundings are displaced by `far` at the boundary.
-fn strain_inside(
-    rung: usize,
-    contrast: f64,
-    poisson: f64,
-    far: impl Fn([f64; 3]) -> [f64; 3],
-) -> Result<f64, StabilityError> {
-    let mesh = PhantomMesh {
+/// A sphere of radius 1 mm amid a cylinder of radius [`FAR`].
+///
+/// # Errors
+/// None for rungs from 1 on.
+pub fn far_mesh(rung: usize) -> Result<Mesh, MeshError> {
+    PhantomMesh {
         shape: PhantomShape::Cylinder { radius_mm: FAR, height_mm: 2.0 * FAR },
         inclusions: vec![InclusionShape {
             center_mm: [0.0, 0.0, FAR],
@@ -62,7 +60,17 @@ fn strain_inside(
         symmetry: [true, false],
         resolution: graded(5.0, 5.0, 5.0, 0.5, rung),
     }
-    .build_2d()?;
+    .build_2d()
+}
+
+/// Mean axial strain in a sphere whose surroundings are displaced by `far` at the boundary.
+fn strain_inside(
+    rung: usize,
+    contrast: f64,
+    poisson: f64,
+    far: impl Fn([f64; 3]) -> [f64; 3],
+) -> Result<f64, StabilityError> {
+    let mesh = far_mesh(rung)?;
     let supports = around(&mesh, far);
     let materials = vec![Material::linear(1.0, poisson)?, Material::linear(contrast, poisson)?];
     let problem = Problem { supports, ..Problem::free(Kinematics::Axisymmetric, mesh, materials) };

@@ -6,13 +6,13 @@
 mod compressibility;
 mod geometry;
 mod images;
-mod inclusions;
+pub mod inclusions;
 pub mod membrane;
-mod presses;
+pub mod presses;
 mod reflectance;
 mod row;
 pub mod scenes;
-mod solved;
+pub mod solved;
 mod tracer;
 mod walks;
 pub mod watch;

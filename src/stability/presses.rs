@@ -10,16 +10,20 @@ use crate::mechanics::mesh::{Footprint, InclusionShape, MeshError, PhantomMesh, 
 use crate::mechanics::press::{Load, PressError, PressSettings, Pressed, SensorBody, Setup, press};
 use crate::mechanics::read_out::{min_jacobian, pressure_jump};
 
-const HEIGHT: f64 = 25.0;
+/// Height of the phantom, mm.
+pub const HEIGHT: f64 = 25.0;
 /// Largest jump of the pressure between elements, as a share of its spread: a checkerboard has 2, a smooth field on this
 /// mesh, singular at one edge, less than a third.
 const JUMP: f64 = 0.3;
 
 /// A ball in the phantom: diameter and depth of its top in mm, contrast to the phantom.
-type Ball = (f64, f64, f64);
+pub type Ball = (f64, f64, f64);
 
 /// The phantom of 5 kPa on the soft sensor, tied, pressed by 1 mm.
-fn setup(ball: Option<Ball>, poisson: f64) -> Result<Setup, StabilityError> {
+///
+/// # Errors
+/// A modulus or ratio that a material cannot have.
+pub fn setup(ball: Option<Ball>, poisson: f64) -> Result<Setup, StabilityError> {
     let material = |youngs: f64| Material::neo_hookean(youngs, poisson);
     let inclusion = |(diameter, depth, _): Ball| InclusionShape {
         center_mm: [0.0, 0.0, depth + 0.5 * diameter],

@@ -4,6 +4,11 @@ use crate::trace::Model;
 use crate::trace::cpu::vec3::{V3, v3};
 use crate::trace::cpu::{End, Limits, Path};
 use crate::trace::model::Real;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Photons of a round, and as many camera paths, shared among the threads.
+const ROUND: u32 = 4096;
 
 /// What was seen, worst values first.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -120,6 +125,30 @@ impl Seen {
         }
         self.lost += u64::from(end == End::Lost);
         self.cut_off += u64::from(end == End::Cap);
+    }
+
+    /// Follows photons and camera paths of a scene until they have made so many segments.
+    pub fn of_scene(model: &Model<f32>, segments: u64) -> Self {
+        let [half_x, half_y] = model.half_size.map(Real::wide);
+        let mut all = Self::default();
+        for round in 0.. {
+            let seen = (0..ROUND).into_par_iter().map(|k| {
+                let mut seen = Self::default();
+                seen.photon(model, round, k);
+                // A camera path: any point of the lowest face, any direction up.
+                let mut draws = Path::new(model, Limits::default());
+                draws.start_random(!round, k, 0);
+                let [x, y, z, turn] = std::array::from_fn(|_| draws.draw().wide());
+                let at = [(2.0 * x - 1.0) * half_x, (2.0 * y - 1.0) * half_y];
+                seen.camera_ray(model, round.wrapping_mul(ROUND).wrapping_add(k), at, direction(z.acos(), TAU * turn));
+                seen
+            });
+            all = all.merge(seen.reduce(Self::default, Self::merge));
+            if all.segments >= segments {
+                break;
+            }
+        }
+        all
     }
 
     /// Follows a photon from an LED.
