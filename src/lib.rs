@@ -30,6 +30,7 @@
 
 pub mod camera;
 pub mod cli;
+pub mod converge;
 pub mod estimate;
 pub mod film;
 pub mod image_io;
@@ -37,5 +38,6 @@ pub mod mechanics;
 pub mod optics;
 pub mod report;
 pub mod scene;
+pub mod stability;
 pub mod surface;
 pub mod trace;

@@ -13,6 +13,8 @@ use tirtouch::image_io::{Provenance, write_radiance};
 
 #[path = "cli/bad_input.rs"]
 mod bad_input;
+#[path = "cli/converge.rs"]
+mod converge;
 #[path = "cli/estimate.rs"]
 mod estimate;
 #[path = "cli/frames.rs"]
@@ -23,6 +25,8 @@ mod inspect;
 mod jobs;
 #[path = "cli/press.rs"]
 mod press;
+#[path = "cli/stability.rs"]
+mod stability;
 
 fn tirtouch(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tirtouch")).args(arguments).output().unwrap()

@@ -6,6 +6,7 @@
 
 pub mod cancel;
 mod compare;
+mod converge;
 mod demo;
 mod error;
 mod estimate;
@@ -28,6 +29,7 @@ mod run;
 mod schema;
 mod shot;
 mod side;
+mod stability;
 mod usage;
 
 pub use error::{Failure, Outcome};
@@ -60,6 +62,8 @@ enum Command {
     Estimate(estimate::Estimate),
     Compare(compare::Compare),
     Frames(frames::FramesCommand),
+    Converge(converge::Converge),
+    Stability(stability::Stability),
     Inspect(inspect::Inspect),
     Schema(schema::Schema),
 }
@@ -74,6 +78,8 @@ impl Command {
             Self::Estimate(estimate) => estimate.run(),
             Self::Compare(compare) => compare.run(),
             Self::Frames(frames) => frames.run(),
+            Self::Converge(converge) => converge.run(),
+            Self::Stability(stability) => stability.run(),
             Self::Inspect(inspect) => inspect.run(),
             Self::Schema(schema) => schema.run(),
         }

@@ -59,8 +59,6 @@ pub struct Traction {
     pub normal: f64,
     /// Tangential traction, or all of it for bonded faces, on the touched body, kPa.
     pub vector: [f64; 3],
-    /// Largest tangential traction that friction bears, kPa: its coefficient times the pressure of the last round.
-    pub bound: f64,
 }
 
 impl Problem {

@@ -203,6 +203,10 @@ pub(super) fn assert_well_formed(svg: &str) {
         } else if !tag.ends_with('/') {
             open.push(name);
         }
+        let mut attributes: Vec<&str> =
+            tag.split(' ').filter_map(|word| word.split_once("=\"")).map(|(name, _)| name).collect();
+        attributes.sort_unstable();
+        assert!(attributes.windows(2).all(|pair| pair[0] != pair[1]), "an attribute stands twice: {tag}");
     }
     assert!(open.is_empty(), "{open:?} left open");
     assert!(!svg.contains("NaN") && !svg.contains("inf\""), "a coordinate is not finite");

@@ -10,7 +10,7 @@ use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::mesh::{Footprint, Mesh};
 use crate::mechanics::press::{ContactPoint, PressStep, Pressed, SensorBody};
 use crate::scene::LoadedScene;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Shape of all interfaces under a press.
 ///
@@ -88,17 +88,14 @@ impl Face {
         }
     }
 
-    /// The upper face of a sensor's layer; values are displacements along z.
+    /// The upper face of a sensor's layer; values are displacements along z, so that a rounded rim is left out.
     fn of_layer(pressed: &Pressed, sensor: &Mesh, moved: &[[f64; 3]], region: u32) -> Self {
         let up = sensor.dim - 1;
-        let top = 3usize.pow(up as u32) * 2;
-        let highest =
-            |e: usize| sensor.element(e).iter().map(|&a| sensor.nodes[a as usize][up]).fold(f64::MIN, f64::max);
-        let layer: Vec<usize> = (0..sensor.element_count()).filter(|&e| sensor.region[e] == region).collect();
-        let level = layer.iter().map(|&e| highest(e)).fold(f64::MIN, f64::max);
-        let at_level = |e: &usize| (highest(*e) - level).abs() < 1e-9 * (1.0 + level.abs());
-        let facets = layer.into_iter().filter(at_level).map(|e| {
-            let nodes = &sensor.element(e)[top..];
+        let face = 3usize.pow(up as u32);
+        let layer = || (0..sensor.element_count()).filter(|&e| sensor.region[e] == region).map(|e| sensor.element(e));
+        let covered: HashSet<u32> = layer().flat_map(|nodes| &nodes[..face]).copied().collect();
+        let tops = layer().map(|nodes| &nodes[2 * face..]).filter(|top| !covered.contains(&top[0]));
+        let facets = tops.map(|nodes| {
             let place = |&a: &u32| {
                 let (x, u) = (sensor.nodes[a as usize], moved[a as usize]);
                 [x[0] + u[0], if up == 2 { x[1] + u[1] } else { 0.0 }]

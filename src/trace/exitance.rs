@@ -10,6 +10,7 @@ use super::model::Model;
 use super::smooth::Smoother;
 use super::spread::Spread;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Widths of the boxes on trial, texels, each beside one about twice as wide.
 const WIDTHS: [[usize; 2]; 7] = [[1, 3], [3, 7], [5, 9], [7, 13], [9, 19], [13, 27], [19, 39]];
@@ -159,12 +160,19 @@ fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
         parts.par_iter().map(|part| smoother.smooth(part)).collect()
     };
     let mut chosen = (1, 0.0);
+    if light <= 0.0 {
+        return chosen;
+    }
+    let mut known: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
     for [width, double] in WIDTHS {
-        let (narrow, wide) = (smooth(width), smooth(double));
+        for width in [width, double] {
+            known.entry(width).or_insert_with(|| smooth(width));
+        }
+        let (narrow, wide) = (&known[&width], &known[&double]);
         let added: Vec<Vec<f64>> =
-            wide.iter().zip(&narrow).map(|(w, n)| w.iter().zip(n).map(|(w, n)| w - n).collect()).collect();
+            wide.iter().zip(narrow).map(|(w, n)| w.iter().zip(n).map(|(w, n)| w - n).collect()).collect();
         let (bias, _) = split(&added);
-        if light <= 0.0 || bias > 2.0 * split(&wide).1 {
+        if bias > 2.0 * split(wide).1 {
             break;
         }
         chosen = (width, (bias.max(0.0) / light).sqrt() / 4.0);

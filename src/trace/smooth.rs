@@ -6,10 +6,13 @@
 //! with the fourth power of the width (Stuetzle and Mittal 1979).
 
 /// Smooths densities over one face with one width.
-pub struct Smoother<'a> {
+pub struct Smoother {
     columns: usize,
     width: usize,
-    area: &'a [f64],
+    /// The least rectangle that holds the face: first column and row, columns and rows.
+    window: [usize; 4],
+    /// Areas within the window.
+    area: Vec<f64>,
     /// Of each texel: the fit's value there from the sums of density, and of density times distance along both axes.
     fit: Vec<[f64; 3]>,
 }
@@ -17,33 +20,46 @@ pub struct Smoother<'a> {
 /// Least determinant of a fit, as a share of that of an unbounded face.
 const LEAST: f64 = 1e-3;
 
-impl<'a> Smoother<'a> {
+impl Smoother {
     /// For a face of `columns` texels in a row with these areas; boxes of `width` texels (odd; 1 does nothing).
-    pub fn new(area: &'a [f64], columns: usize, width: usize) -> Self {
-        let mut smoother = Self { columns, width, area, fit: Vec::new() };
+    pub fn new(area: &[f64], columns: usize, width: usize) -> Self {
+        let mut smoother = Self { columns, width, window: window(area, columns), area: Vec::new(), fit: Vec::new() };
         if width > 1 {
-            let sum = |powers: [i32; 2]| smoother.sum(area, powers);
+            smoother.area = smoother.cut(area);
+            let sum = |powers: [usize; 2]| smoother.sum(&smoother.area, powers);
             let sums = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]].map(sum);
             // Variance of a box of w texels is (w^2 - 1) / 12.
             let spread = ((width * width - 1) as f64 / 4.0).powi(2);
             let row = |k: usize| fit(sums.each_ref().map(|sum| sum[k]), smoother.place(k), spread);
-            smoother.fit = (0..area.len()).map(row).collect();
+            smoother.fit = (0..smoother.area.len()).map(row).collect();
         }
         smoother
     }
 
-    /// A smoothed density.
+    /// A smoothed density; 0 beyond the face's rectangle.
     pub fn smooth(&self, density: &[f64]) -> Vec<f64> {
         if self.width <= 1 {
             return density.to_vec();
         }
-        let once = self.once(density);
+        let once = self.once(&self.cut(density));
         let twice = self.once(&once);
-        once.iter().zip(twice).map(|(once, twice)| 2.0 * once - twice).collect()
+        let [x, y, columns, _] = self.window;
+        let mut out = vec![0.0; density.len()];
+        for (k, (once, twice)) in once.iter().zip(twice).enumerate() {
+            out[(y + k / columns) * self.columns + x + k % columns] = 2.0 * once - twice;
+        }
+        out
+    }
+
+    /// The window's part of a field.
+    fn cut(&self, field: &[f64]) -> Vec<f64> {
+        let [x, y, columns, rows] = self.window;
+        let row = |row: usize| &field[(y + row) * self.columns + x..][..columns];
+        (0..rows).flat_map(|k| row(k).iter().copied()).collect()
     }
 
     fn once(&self, density: &[f64]) -> Vec<f64> {
-        let flux: Vec<f64> = density.iter().zip(self.area).map(|(density, area)| density * area).collect();
+        let flux: Vec<f64> = density.iter().zip(&self.area).map(|(density, area)| density * area).collect();
         let [whole, x, y] = [[0, 0], [1, 0], [0, 1]].map(|powers| self.sum(&flux, powers));
         let value = |(k, fit): (usize, &[f64; 3])| {
             let place = self.place(k);
@@ -53,22 +69,36 @@ impl<'a> Smoother<'a> {
     }
 
     fn place(&self, k: usize) -> [f64; 2] {
-        [(k % self.columns) as f64, (k / self.columns) as f64]
+        [(k % self.window[2]) as f64, (k / self.window[2]) as f64]
     }
 
-    /// Sums under the kernel of a field times powers of the place.
-    fn sum(&self, field: &[f64], powers: [i32; 2]) -> Vec<f64> {
-        let times = |(k, v): (usize, &f64)| v * self.place(k)[0].powi(powers[0]) * self.place(k)[1].powi(powers[1]);
-        let mut field: Vec<f64> = field.iter().enumerate().map(times).collect();
-        let rows = field.len() / self.columns;
-        for (columns, rows) in [(self.columns, rows), (rows, self.columns)] {
-            for _ in 0..3 {
-                boxes(&mut field, columns, self.width);
-            }
-            field = (0..field.len()).map(|k| field[(k % rows) * columns + k / rows]).collect();
+    /// Sums under the kernel of a field times powers, up to 2, of the place.
+    fn sum(&self, field: &[f64], powers: [usize; 2]) -> Vec<f64> {
+        let [_, _, columns, rows] = self.window;
+        let power = |x: usize, power: usize| [1.0, x as f64, (x * x) as f64][power];
+        let mut field = field.to_vec();
+        for (y, row) in field.chunks_mut(columns).enumerate() {
+            row.iter_mut().enumerate().for_each(|(x, v)| *v *= power(x, powers[0]) * power(y, powers[1]));
+        }
+        for (columns, rows) in [(columns, rows), (rows, columns)] {
+            (0..3).for_each(|_| boxes(&mut field, columns, self.width));
+            let mut turned = Vec::with_capacity(field.len());
+            (0..columns).for_each(|x| turned.extend((0..rows).map(|y| field[y * columns + x])));
+            field = turned;
         }
         field
     }
+}
+
+/// The least rectangle that holds all area: first column and row, columns and rows.
+fn window(area: &[f64], columns: usize) -> [usize; 4] {
+    let there = || area.iter().enumerate().filter(|(_, area)| **area > 0.0).map(|(k, _)| [k % columns, k / columns]);
+    let bounds = |axis: usize| {
+        let low = there().map(|place| place[axis]).min().unwrap_or(0);
+        (low, there().map(|place| place[axis] + 1).max().unwrap_or(low) - low)
+    };
+    let ((x, width), (y, height)) = (bounds(0), bounds(1));
+    [x, y, width.max(1), height]
 }
 
 /// First row of the inverse of the fit's normal matrix, from the moments of the area about the origin.

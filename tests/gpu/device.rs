@@ -4,10 +4,10 @@ use crate::adapter::require_gpu;
 use crate::films::gpu;
 use crate::scenes::Case;
 use std::time::{Duration, Instant};
+use tirtouch::trace::TraceError;
 use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
 use tirtouch::trace::gpu::GpuTracer;
 use tirtouch::trace::plan::Method;
-use tirtouch::trace::{Backend, TraceError};
 
 /// Resident memory of this process, bytes; none where the system does not say.
 fn resident() -> Option<u64> {
@@ -21,9 +21,8 @@ fn a_device_lost_in_the_middle_of_a_render_is_an_error() {
     for method in [Method::Path, Method::Map, Method::Splat] {
         let Some(adapter) = require_gpu() else { return };
         let model = Case::preset("contact-disc").model([32, 24]);
+        let device = adapter.device.clone();
         let mut backend = gpu(adapter, &model);
-        let Backend::Gpu(tracer) = &backend else { unreachable!() };
-        let device = tracer.gpu().device.clone();
         let (pacer, totals) = (Pacer::default(), Totals::default());
         let mut batch = Batch { model: &model, backend: &mut backend, method, seed: 1, pacer, totals };
         let start = Instant::now();

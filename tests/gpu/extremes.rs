@@ -1,7 +1,7 @@
 //! Geometry at its limits: grazing rays, rays through corners, ten thousand bounces.
 
 use crate::scenes::{Case, variants};
-use crate::watch::{Seen, direction};
+use crate::watch::{Seen, assert_sound, direction};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 use tirtouch::scene::{Scene, Shape, Walls};
 use tirtouch::trace::cpu::vec3::v3;
@@ -51,7 +51,7 @@ fn grazing_rays_keep_their_place() {
             }
         }
         println!("{name}: {within:?}, along a face {along:?}");
-        within.merge(along).assert_sound(&name);
+        assert_sound(&within.merge(along), &name);
         assert_eq!(within.lost, 0, "{name}: {within:?}");
         // A ray that creeps along a height field takes more Newton steps than it is given, and is counted as lost.
         if !matches!(model.shape, model::Shape::Field(_)) {
@@ -88,7 +88,7 @@ fn rays_through_edges_and_corners_keep_their_place() {
             all = all.merge(seen);
         }
         println!("{name}: {all:?}");
-        all.assert_sound(&name);
+        assert_sound(&all, &name);
         assert_eq!(all.lost, 0, "{name}: {all:?}");
     }
 }

@@ -4,40 +4,15 @@
 use tirtouch::mechanics::contact::Grip;
 use tirtouch::mechanics::from_scene::press_setup;
 use tirtouch::mechanics::kinematics::Kinematics;
-use tirtouch::mechanics::material::Material;
-use tirtouch::mechanics::mesh::{Footprint, InclusionShape, MeshError, PhantomMesh, PhantomShape, Resolution, Star};
-use tirtouch::mechanics::press::{Load, PressError, PressSettings, Pressed, SensorBody, Setup, press};
+use tirtouch::mechanics::mesh::MeshError;
+use tirtouch::mechanics::press::{Load, PressError, PressSettings, Pressed, Setup, press};
 use tirtouch::mechanics::read_out::{min_jacobian, pressure_jump};
 use tirtouch::scene::preset;
+use tirtouch::stability::presses::{self, HEIGHT};
 
-const HEIGHT: f64 = 25.0;
-
-/// The phantom of 5 kPa on the soft sensor, tied, with a ball of this diameter and contrast whose top lies this deep.
+/// The phantom of 5 kPa on the soft sensor, tied, with a ball of this diameter, depth of its top and contrast.
 fn setup(ball: Option<(f64, f64, f64)>, poisson: f64) -> Setup {
-    let material = |youngs: f64| Material::neo_hookean(youngs, poisson).unwrap();
-    let inclusion = |(diameter, depth, _): (f64, f64, f64)| InclusionShape {
-        center_mm: [0.0, 0.0, depth + 0.5 * diameter],
-        surface: Star::Ellipsoid { semi_axes_mm: [0.5 * diameter; 3] },
-    };
-    Setup {
-        kinematics: Kinematics::Axisymmetric,
-        phantom: PhantomMesh {
-            shape: PhantomShape::Cylinder { radius_mm: 30.0, height_mm: HEIGHT },
-            inclusions: ball.map(inclusion).into_iter().collect(),
-            footprint: Footprint::Round { radius_mm: 15.0 },
-            symmetry: [true, true],
-            resolution: Resolution::PLANE.halved(),
-        },
-        phantom_materials: std::iter::once(5.0).chain(ball.map(|(.., k)| 5.0 * k)).map(material).collect(),
-        sensor: SensorBody::Layers {
-            layers: [(5.0, 15.0), (3.0, 30.0), (2.0, 60.0)].map(|(h, e)| (h, material(e))).to_vec(),
-            edge_radius_mm: 0.0,
-        },
-        grip: Grip::Bonded,
-        load: Load::Depths(vec![1.0]),
-        seconds_per_mm: None,
-        hold_s: 0.0,
-    }
+    presses::setup(ball, poisson).unwrap()
 }
 
 fn run(setup: &Setup) -> Result<Pressed, PressError> {

@@ -9,8 +9,8 @@ use super::{Footprint, Lines, Mesh, MeshError, quality};
 /// Turning of the face along the arc, rad. A quarter circle would leave the rim's elements a corner of 180 degrees.
 const TURN: f64 = std::f64::consts::FRAC_PI_3;
 
-/// Elements along the arc, of the coarsest mesh.
-const DIVISIONS: f64 = 4.0;
+/// Elements along the arc, before they are divided.
+const DIVISIONS: f64 = 2.0;
 
 /// A rim.
 #[derive(Debug, Clone, Copy)]
@@ -21,7 +21,7 @@ pub(super) struct Fillet {
     pub layer_mm: f64,
 }
 
-/// Largest element that resolves a rim of this radius, mm.
+/// Largest element, before it is divided, that resolves a rim of this radius, mm.
 pub fn rim_size_mm(radius_mm: f64) -> f64 {
     radius_mm * TURN / DIVISIONS
 }

@@ -135,8 +135,8 @@ pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64, held: 
     let (bound, pull) = (friction * pressure, apply(&face, pulled(soft)));
     let excess = length(pull) - bound;
     if excess <= 0.0 {
-        let now = Traction { vector: apply(&face, now.vector), bound: friction * now.normal, ..now };
-        let trial = Traction { normal: pressed, vector: apply(&face, pulled(spring)), ..now };
+        let now = Traction { vector: apply(&face, now.vector), ..now };
+        let trial = Traction { normal: pressed, vector: apply(&face, pulled(spring)) };
         let (defect, along) = (mean.abs().max(length(apply(&face, offset))), scaled(&face, spring));
         return Touch { gap, hold: Hold::Sticks, now, trial, along, defect, ..touching };
     }
@@ -152,9 +152,8 @@ pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64, held: 
     let lag = length([0, 1, 2].map(|i| slipping(now.normal)[i] - now.vector[i]));
     let settled = touching.settled && lag <= 1e-6 * bound;
     let vector = slipping(pressed);
-    let trial =
-        Traction { normal: pressed, vector: [0, 1, 2].map(|i| vector[i] - aside[i]), bound: friction * now.normal };
-    let now = Traction { normal: now.normal, vector: slipping(now.normal), bound: friction * now.normal };
+    let trial = Traction { normal: pressed, vector: [0, 1, 2].map(|i| vector[i] - aside[i]) };
+    let now = Traction { normal: now.normal, vector: slipping(now.normal) };
     Touch { gap, hold: Hold::Slips, now, trial, along, drag, settled, ..touching }
 }
 
@@ -176,7 +175,7 @@ impl Touch {
             .map(|(a, _, n)| (0..dim).map(|i| n[i] * change[*a as usize * dim + i]).sum::<f64>())
             .sum();
         let vector = self.drag.map(|c| c * normal);
-        Traction { normal: normal + self.spring * along / self.gap.area, vector, bound: 0.0 }
+        Traction { normal: normal + self.spring * along / self.gap.area, vector }
     }
 
     /// Traction after a full Newton step.
@@ -197,6 +196,6 @@ impl Touch {
         let normal = -self.spring * gap / self.gap.area;
         let along = apply(&self.along, offset);
         let vector = [0, 1, 2].map(|i| self.drag[i] * normal - along[i] / self.gap.area);
-        Traction { normal, vector, bound: 0.0 }
+        Traction { normal, vector }
     }
 }

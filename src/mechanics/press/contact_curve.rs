@@ -4,7 +4,7 @@ use crate::mechanics::contact::{Grip, Positions};
 use crate::mechanics::problem::{Problem, State};
 
 /// A node of the touched face.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ContactPoint {
     /// The node in the problem's mesh.
     pub node: u32,

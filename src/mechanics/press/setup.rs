@@ -73,8 +73,8 @@ impl Setup {
         if let SensorBody::Layers { edge_radius_mm, .. } = &self.sensor
             && *edge_radius_mm > 0.0
         {
-            let size = &mut body.resolution;
-            size.edge_mm = size.edge_mm.min(rim_size_mm(*edge_radius_mm) * size.subdivision as f64);
+            let size = &mut body.resolution.edge_mm;
+            *size = size.min(rim_size_mm(*edge_radius_mm));
         }
         body
     }

@@ -1,31 +1,16 @@
 //! A sphere of contrast k in a far uniaxial strain, incompressible: the strain inside is uniform and
 //! 1/(1 + 0.4 (k - 1)) of the far one (Eshelby, Proc. R. Soc. A 241, 1957).
 
-use super::{Answer, Solved, graded, held_around};
+use super::{Answer, Solved, held_around};
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::Material;
-use tirtouch::mechanics::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Star};
 use tirtouch::mechanics::problem::Problem;
 use tirtouch::mechanics::read_out::samples;
-
-/// Distance to the boundary, which moves as if there were no sphere (radius 1 mm): an error of 4 FAR^-3, 5e-4
-/// (measured; at 40 mm an eighth). Farther out, round-off keeps extreme contrasts from balancing.
-const FAR: f64 = 20.0;
+use tirtouch::stability::inclusions::{FAR, far_mesh};
 
 /// Solves with a far strain of 1 along the axis.
 pub fn solve(rung: usize, contrast: f64) -> Solved {
-    let mesh = PhantomMesh {
-        shape: PhantomShape::Cylinder { radius_mm: FAR, height_mm: 2.0 * FAR },
-        inclusions: vec![InclusionShape {
-            center_mm: [0.0, 0.0, FAR],
-            surface: Star::Ellipsoid { semi_axes_mm: [1.0; 3] },
-        }],
-        footprint: Footprint::Round { radius_mm: FAR },
-        symmetry: [true, false],
-        resolution: graded(5.0, 5.0, 5.0, 0.5, rung),
-    }
-    .build_2d()
-    .unwrap();
+    let mesh = far_mesh(rung).unwrap();
     let supports = held_around(&mesh, far);
     // The axis belongs to the boundary, but along it the body is free.
     let free = |x: [f64; 3]| x[0] == 0.0 && x[1] > 0.0 && x[1] < 2.0 * FAR;

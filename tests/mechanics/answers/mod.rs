@@ -11,10 +11,11 @@ pub mod press;
 pub mod sphere;
 
 use std::time::Instant;
-use tirtouch::mechanics::mesh::{Boundary, Mesh, Resolution};
+use tirtouch::mechanics::mesh::{Boundary, Mesh};
 use tirtouch::mechanics::newton::Solver;
 use tirtouch::mechanics::path::{PathError, follow};
 use tirtouch::mechanics::problem::{Problem, State, Support};
+pub use tirtouch::stability::solved::{graded, held};
 
 /// A solved problem and what it took.
 pub struct Solved {
@@ -61,17 +62,6 @@ impl Figure {
     }
 }
 
-/// Prescribes one component of the displacement wherever `at` holds.
-pub fn held(
-    mesh: &Mesh,
-    at: impl Fn([f64; 3]) -> bool,
-    axis: usize,
-    displacement_mm: impl Fn([f64; 3]) -> f64,
-) -> Vec<Support> {
-    let nodes = (0u32..).zip(&mesh.nodes).filter(|(_, x)| at(**x));
-    nodes.map(|(node, x)| Support { node, axis, displacement_mm: displacement_mm(*x) }).collect()
-}
-
 /// The axis held against r, the base moved along z and held against r.
 pub fn on_a_base(mesh: &Mesh, height: f64, base_mm: f64) -> Vec<Support> {
     let on_base = |x: [f64; 3]| x[1] >= height * (1.0 - 1e-12);
@@ -92,11 +82,6 @@ pub fn held_around(mesh: &Mesh, displacement_mm: impl Fn([f64; 3]) -> [f64; 3]) 
     };
     let support = &support;
     nodes.iter().flat_map(|&node| (0..mesh.dim).map(move |axis| support(node, axis))).collect()
-}
-
-/// Elements of one size within the contact and around its edge, larger ones far away.
-pub fn graded(edge_mm: f64, contact_mm: f64, coarsest_mm: f64, growth: f64, subdivision: usize) -> Resolution {
-    Resolution { edge_mm, contact_mm, coarsest_mm, growth, inclusion_divisions: 4.0, subdivision }
 }
 
 /// Facets of the touched face within a distance of the axis.

@@ -1,0 +1,148 @@
+//! `converge`: error against run time.
+
+mod climb;
+mod pictures;
+mod records;
+mod table;
+
+use super::flags::Backend;
+use super::job::load_scene;
+use super::{Failure, Outcome, Talk, note, print};
+use crate::scene::LoadedScene;
+use crate::trace::gpu::Gpu;
+use crate::trace::{BackendChoice, Precision, Settings, TraceError};
+use clap::Args;
+use climb::Climb;
+use records::Records;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Measure error against run time on ladders of settings, each against a finer reference.
+///
+/// Light: samples and integrator, texels of the map, points of height fields, arithmetic. A scene with a press: meshes and
+/// load steps as well. Every rung is kept when it is done: `--resume` goes on where it was stopped.
+#[derive(Debug, Args)]
+pub(super) struct Converge {
+    /// Scene file, or preset:NAME for a scene that comes with the program.
+    scene: PathBuf,
+    /// A small version: an eighth of the camera's pixels along each side, few and low rungs.
+    #[arg(long)]
+    quick: bool,
+    /// Highest samples a pixel; the reference has four times as many [default: 4 times the scene's, quick: 64].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=16_384), allow_negative_numbers = true)]
+    spp: Option<u32>,
+    /// Divide the camera's pixels along each side by this [default: 1, quick: 8].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64), allow_negative_numbers = true)]
+    shrink: Option<u32>,
+    /// Only the ladders of the light, or of the mechanics.
+    #[arg(long, value_enum)]
+    only: Option<Only>,
+    /// Folder to write [default: out/NAME-converge].
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace the folder if it exists.
+    #[arg(long, conflicts_with = "resume")]
+    force: bool,
+    /// Go on with the rungs that the folder does not have yet.
+    #[arg(long)]
+    resume: bool,
+    /// Seed of the reference; the rungs take the ones after it [default: the scene's].
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    seed: Option<u32>,
+    /// Where to compute.
+    #[arg(long, value_enum, default_value_t)]
+    backend: Backend,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+/// Which ladders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Only {
+    /// Light alone; a press is run once.
+    Light,
+    /// Mechanics alone.
+    Mechanics,
+}
+
+impl Converge {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let (mut loaded, file) = load_scene(&self.scene)?;
+        if self.only == Some(Only::Mechanics) && loaded.scene.press.is_none() {
+            let message = format!("{}: --only mechanics needs a scene with a [press]", file.display());
+            return Err(Failure::usage(message).in_file(&file));
+        }
+        let shrink = self.shrink.unwrap_or(if self.quick { 8 } else { 1 });
+        shrink_camera(&mut loaded, shrink);
+        let backend = self.backend()?;
+        let settings = Settings {
+            seed: self.seed.unwrap_or(loaded.scene.render.seed),
+            backend,
+            precision: Precision::F32,
+            ..Settings::of(&loaded.scene.render)
+        };
+        let most_spp = self.spp.unwrap_or(match self.quick {
+            true => 64,
+            false => loaded.scene.render.spp.saturating_mul(4).clamp(64, 16_384),
+        });
+        let name = loaded.scene.name.clone();
+        let place = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{name}-converge")));
+        // Whatever changes a rung belongs to the order.
+        let order = json!({
+            "scene_sha256": loaded.sha256,
+            "quick": self.quick,
+            "most_spp": most_spp,
+            "shrink": shrink,
+            "seed": settings.seed,
+            "backend": format!("{backend:?}"),
+            "version": env!("CARGO_PKG_VERSION"),
+        });
+        let records = Records::open(&place, &order, self.force, self.resume)?;
+        let climb = Climb {
+            loaded: &loaded,
+            file: &file,
+            settings,
+            most_spp,
+            quick: self.quick,
+            only: self.only,
+            quiet: self.talk.quiet,
+        };
+        let found = climb.run(&records)?;
+        records.write("converge.csv", &table::csv(&found.rungs)?)?;
+        for (file, svg) in pictures::draw(&name, &found.rungs)? {
+            records.write(&file, &svg)?;
+        }
+        let out = place.display().to_string();
+        if self.talk.json {
+            print(&table::json(&name, &found, &out).to_string())?;
+        } else {
+            print(&table::text(&name, &found, &out))?;
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// The backend that is there.
+    fn backend(&self) -> Result<BackendChoice, Failure> {
+        if self.backend == Backend::Cpu {
+            return Ok(BackendChoice::Cpu);
+        }
+        match Gpu::open() {
+            Ok(_) => Ok(BackendChoice::Gpu),
+            Err(TraceError::NoAdapter) if self.backend == Backend::Auto => {
+                if !self.talk.quiet {
+                    note("no GPU adapter found: the built-in CPU tracer runs instead");
+                }
+                Ok(BackendChoice::Cpu)
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+}
+
+/// Fewer pixels over the same view.
+fn shrink_camera(loaded: &mut LoadedScene, shrink: u32) {
+    let camera = &mut loaded.scene.camera;
+    let before = camera.pixels[0];
+    camera.pixels = camera.pixels.map(|pixels| (pixels / shrink).max(4));
+    camera.pixel_pitch_um *= f64::from(before) / f64::from(camera.pixels[0]);
+}

@@ -1,0 +1,97 @@
+//! `stability`: the extreme cases, each with its reference and its error.
+
+mod pictures;
+mod table;
+
+use super::flags::Backend;
+use super::{Failure, Outcome, OutputFolder, Progress, Talk, cancel, note, print};
+use crate::stability::{CHECKS, Context, Row, Tracer, membrane};
+use crate::trace::TraceError;
+use crate::trace::gpu::Gpu;
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Check the extreme cases of tracer, finite elements and estimators against their references.
+///
+/// Exit code 1 if a row fails.
+#[derive(Debug, Args)]
+pub(super) struct Stability {
+    /// Fewer and smaller cases: some seconds.
+    #[arg(long)]
+    quick: bool,
+    /// Folder to write: stability.csv and pictures [default: none].
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace the folder if it exists.
+    #[arg(long)]
+    force: bool,
+    /// What is checked: the CPU twin, and the GPU where there is one (auto), the GPU or fail (gpu), the twin alone (cpu).
+    #[arg(long, value_enum, default_value_t)]
+    backend: Backend,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+impl Stability {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let folder = self.out.as_ref().map(|out| OutputFolder::create(out, self.force)).transpose()?;
+        let (tracers, adapter) = self.tracers()?;
+        let context = Context { tracers, membrane: membrane::deflection, quick: self.quick };
+        let rows = self.rows(&context)?;
+        let out = match folder {
+            Some(folder) => {
+                folder.write("stability.csv", &table::csv(&rows)?)?;
+                pictures::write(&context, &folder)?;
+                Some(folder.commit()?.display().to_string())
+            }
+            None => None,
+        };
+        let failed = rows.iter().filter(|row| !row.passed).count();
+        if self.talk.json {
+            let rows: Vec<_> = rows.iter().map(table::json).collect();
+            let object = json!({
+                "passed": failed == 0,
+                "failed": failed,
+                "adapter": adapter,
+                "rows": rows,
+                "out": out,
+            });
+            print(&object.to_string())?;
+        } else {
+            print(&table::text(&rows, adapter.as_deref(), out.as_deref()))?;
+        }
+        Ok(if failed == 0 { Outcome::Done } else { Outcome::CheckFailed })
+    }
+
+    /// What is checked, and the GPU's name.
+    fn tracers(&self) -> Result<(Vec<Tracer>, Option<String>), Failure> {
+        if self.backend == Backend::Cpu {
+            return Ok((vec![Tracer::twin()], None));
+        }
+        match Gpu::open() {
+            Ok(gpu) => {
+                let name = format!("{} ({:?}, {})", gpu.info.name, gpu.info.backend, gpu.info.driver_info);
+                Ok((vec![Tracer::gpu(), Tracer::twin()], Some(name)))
+            }
+            Err(TraceError::NoAdapter) if self.backend == Backend::Auto => {
+                if !self.talk.quiet {
+                    note("no GPU adapter found: only the CPU tracer is checked");
+                }
+                Ok((vec![Tracer::twin()], None))
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    fn rows(&self, context: &Context) -> Result<Vec<Row>, Failure> {
+        let progress = Progress::new(self.talk.quiet);
+        let mut rows = Vec::new();
+        for (done, check) in CHECKS.iter().enumerate() {
+            progress.observe(done as f64 / CHECKS.len() as f64, check.name);
+            cancel::check()?;
+            rows.extend(check.run(context));
+        }
+        Ok(rows)
+    }
+}

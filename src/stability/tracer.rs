@@ -1,0 +1,200 @@
+//! The tracers under test, and the probe that looks into them.
+
+use crate::trace::backend::{Backend, CpuTracer};
+use crate::trace::cpu::vec3::v3;
+use crate::trace::cpu::{End, Limits, Path, fresnel};
+use crate::trace::gpu::assemble::Entry;
+use crate::trace::gpu::{Gpu, GpuTracer};
+use crate::trace::model::Real;
+use crate::trace::{Model, TraceError, backend::PhotonMode};
+use rayon::prelude::*;
+
+/// The entry that the probe stands in for, and the probe.
+const PHOTONS: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/entry/photons.wgsl"));
+const PROBE: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/entry/probe.wgsl"));
+/// Words of one event row, as in `record.wgsl`.
+const EVENTS: usize = 64;
+
+/// A tracer under test. Tests put faulty ones in.
+#[derive(Clone, Copy)]
+pub enum Tracer {
+    /// The GPU.
+    Gpu {
+        /// A change to its WGSL.
+        edit: fn(String) -> String,
+    },
+    /// The twin in f32.
+    Twin {
+        /// Reflectance from a = n_i cos(theta_i), n_t^2 - n_i^2 and n_i^2.
+        reflectance: fn(f32, f32, f32) -> f32,
+        /// A change to the path between two of its steps.
+        between: fn(&mut Path<f32>),
+    },
+}
+
+/// Where a probed ray starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// Position, mm.
+    pub o: [f32; 3],
+    /// Optical momentum.
+    pub p: [f32; 3],
+    /// Layer.
+    pub layer: usize,
+    /// Steps that it is followed for, at most.
+    pub steps: u32,
+}
+
+/// Where it came to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finish {
+    /// Position, mm.
+    pub o: [f64; 3],
+    /// Optical momentum.
+    pub p: [f64; 3],
+    /// Weight.
+    pub weight: f64,
+    /// Largest drift of the horizontal momentum s on the way, as a share of it.
+    pub drift: f64,
+    /// Largest | |p|/n - 1 | on the way.
+    pub stretch: f64,
+    /// Layer.
+    pub layer: usize,
+    /// Number of its [`End`].
+    pub end: u32,
+    /// Steps taken.
+    pub steps: u32,
+}
+
+impl Tracer {
+    /// The GPU as it is.
+    pub fn gpu() -> Self {
+        Self::Gpu { edit: |text| text }
+    }
+
+    /// The twin in f32 as it is.
+    pub fn twin() -> Self {
+        Self::Twin { reflectance: fresnel::reflectance::<f32>, between: |_| {} }
+    }
+
+    /// Its name in the table.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Gpu { .. } => "gpu f32",
+            Self::Twin { .. } => "cpu f32",
+        }
+    }
+
+    /// The tracer with a scene loaded.
+    pub fn open(&self, model: &Model<f64>) -> Result<Backend, TraceError> {
+        Ok(match *self {
+            Self::Gpu { edit } => {
+                let edit = Box::new(move |_: Entry, text: String| edit(text));
+                Backend::Gpu(Box::new(GpuTracer::with_source(Gpu::open()?, model, edit)?))
+            }
+            Self::Twin { .. } => Backend::Cpu32(Box::new(CpuTracer::new(model.cast()))),
+        })
+    }
+
+    /// Follows rays without roulette and without a cap.
+    pub fn follow(&self, model: &Model<f64>, starts: &[Start]) -> Result<Vec<Finish>, TraceError> {
+        match *self {
+            Self::Gpu { edit } => {
+                let row = |s: &Start| [s.o[0], s.o[1], s.o[2], s.p[0], s.p[1], s.p[2], s.layer as f32, s.steps as f32];
+                let rows: Vec<[f32; 8]> = starts.iter().map(row).collect();
+                Ok(probe(edit, model, &rows)?.iter().map(|words| finish(words)).collect())
+            }
+            Self::Twin { between, .. } => Ok(follow(&model.cast::<f32>(), starts, between)),
+        }
+    }
+
+    /// Reflectances at [a, n_t^2 - n_i^2, n_i^2]; `model` is any scene.
+    pub fn reflectances(&self, model: &Model<f64>, at: &[[f32; 3]]) -> Result<Vec<f32>, TraceError> {
+        match *self {
+            Self::Gpu { edit } => {
+                let rows: Vec<[f32; 8]> =
+                    at.iter().map(|&[a, dn_sq, n_sq]| [a, dn_sq, n_sq, 0.0, 0.0, 0.0, 0.0, -1.0]).collect();
+                Ok(probe(edit, model, &rows)?.iter().map(|words| f32::from_bits(words[0])).collect())
+            }
+            Self::Twin { reflectance, .. } => {
+                Ok(at.iter().map(|&[a, dn_sq, n_sq]| reflectance(a, dn_sq, n_sq)).collect())
+            }
+        }
+    }
+}
+
+/// The rays in f64: the reference.
+pub fn follow_exactly(model: &Model<f64>, starts: &[Start]) -> Vec<Finish> {
+    follow(model, starts, |_| {})
+}
+
+fn follow<T: Real>(model: &Model<T>, starts: &[Start], between: fn(&mut Path<T>)) -> Vec<Finish> {
+    let vector = |a: [f32; 3]| v3(T::of(a[0].into()), T::of(a[1].into()), T::of(a[2].into()));
+    let one = |(row, start): (usize, &Start)| {
+        let mut path = Path::new(model, Limits { roulette_start: u32::MAX, event_cap: u32::MAX });
+        path.start_random(SEED, row as u32, 0);
+        (path.o, path.p, path.layer) = (vector(start.o), vector(start.p), start.layer);
+        let along = path.p.x.hypot(path.p.y);
+        let (mut end, mut steps) = (End::GoesOn, 0);
+        let (mut drift, mut stretch) = (T::zero(), T::zero());
+        while end == End::GoesOn && steps < start.steps {
+            end = path.step();
+            steps += 1;
+            if end == End::Touch {
+                end = path.photon_touch();
+            }
+            drift = drift.max((path.p.x.hypot(path.p.y) - along).abs());
+            let index = path.model.layers[path.layer].n;
+            stretch = stretch.max((path.p.dot(path.p).sqrt() / index - T::one()).abs());
+            between(&mut path);
+        }
+        let wide = |v: crate::trace::cpu::vec3::V3<T>| [v.x.wide(), v.y.wide(), v.z.wide()];
+        Finish {
+            o: wide(path.o),
+            p: wide(path.p),
+            weight: path.weight.wide(),
+            drift: (drift / along).wide(),
+            stretch: stretch.wide(),
+            layer: path.layer,
+            end: end as u32,
+            steps,
+        }
+    };
+    starts.par_iter().enumerate().map(one).collect()
+}
+
+/// Seed of the probed rays.
+const SEED: u32 = 20_261_121;
+
+/// Sends rows through the probe and gives their event rows.
+fn probe(edit: fn(String) -> String, model: &Model<f64>, rows: &[[f32; 8]]) -> Result<Vec<Vec<u32>>, TraceError> {
+    let mut model = model.clone();
+    let pairs = rows.iter().flat_map(|row| row.chunks_exact(2));
+    model.led_tables = pairs.map(|pair| [f64::from(pair[0]), f64::from(pair[1])]).collect();
+    let edit = Box::new(move |_: Entry, text: String| {
+        let text = text.replace(PHOTONS, PROBE);
+        // The walks are lossless: neither roulette nor the cap may end them.
+        let text = text.replace("ROULETTE_START: u32 = 256u", "ROULETTE_START: u32 = 0xffffffffu");
+        edit(text.replace("EVENT_CAP: u32 = 65536u", "EVENT_CAP: u32 = 0xffffffffu"))
+    });
+    let mut tracer = GpuTracer::with_source(Gpu::open()?, &model, edit)?;
+    let count = rows.len() as u32;
+    tracer.record_events(count)?;
+    tracer.photons(PhotonMode::Ledger, SEED, count, [0, 1])?;
+    let words = tracer.read_events()?;
+    Ok(words.chunks_exact(EVENTS).take(rows.len()).map(<[u32]>::to_vec).collect())
+}
+
+fn finish(words: &[u32]) -> Finish {
+    let float = |k: usize| f64::from(f32::from_bits(words[k]));
+    Finish {
+        o: [float(0), float(1), float(2)],
+        p: [float(3), float(4), float(5)],
+        weight: float(6),
+        drift: float(7),
+        stretch: float(11),
+        layer: words[8] as usize,
+        end: words[9],
+        steps: words[10],
+    }
+}
