@@ -2,8 +2,8 @@
 
 /// Least residual, as a share of the first.
 const TOLERANCE: f64 = 1e-10;
-/// Most directions: each costs one solve.
-const DIRECTIONS: usize = 80;
+/// Most directions, each of one solve: more than what is not symmetric has ranks, for near a snap all of them count.
+const DIRECTIONS: usize = 240;
 
 /// Solves (A + B) x = `right`, where `solve` solves with A in place and `rest` multiplies by B.
 pub(super) fn gmres(
