@@ -15,6 +15,9 @@ const THREAD_PHOTONS: u32 = 1024;
 /// Aim for one chunk, seconds: a desktop stays usable and a stop is answered.
 const CHUNK_SECONDS: f64 = 0.15;
 
+/// Most pixels of one chunk: a dispatch holds 65,535 workgroups.
+const MOST_PIXELS: u32 = 1 << 21;
+
 /// Work of one replicate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Work {
@@ -83,6 +86,14 @@ impl Default for Pacer {
 fn adapt(pace: &mut f64, done: u64, seconds: f64) {
     let aim = done as f64 * CHUNK_SECONDS / seconds.max(1e-4);
     *pace = aim.clamp(*pace * 0.5, *pace * 4.0).clamp(4096.0, 1e9);
+}
+
+/// Pixels from `pixel` on and samples of each that a pace of paths allows; `left` samples are still to take. Several samples
+/// only of the whole image, which is begun anew only where the last chunk ended it.
+fn chunk(pace: u64, pixels: u32, pixel: u32, left: u32) -> [u32; 2] {
+    let samples = if pixel == 0 && pixels <= MOST_PIXELS { pace / u64::from(pixels) } else { 1 };
+    let count = pace.clamp(1, u64::from(MOST_PIXELS)).min(u64::from(pixels - pixel));
+    [count as u32, samples.clamp(1, u64::from(left)) as u32]
 }
 
 /// Everything that one replicate needs.
@@ -164,10 +175,7 @@ impl Batch<'_> {
         let total = f64::from(pixels) * f64::from(spp);
         let (mut sample, mut pixel) = (0, 0);
         while sample < spp {
-            let pace = self.pacer.camera as u64;
-            let samples = (pace / u64::from(pixels)).clamp(1, u64::from(spp - sample)) as u32;
-            let count = if samples > 1 { pixels } else { pace.min(u64::from(pixels - pixel)).min(1 << 21) as u32 };
-            let samples = if pixel > 0 || count < pixels { 1 } else { samples };
+            let [count, samples] = chunk(self.pacer.camera as u64, pixels, pixel, spp - sample);
             let start = Instant::now();
             self.backend.camera(mode, seed, [pixel, count], [sample, samples])?;
             adapt(&mut self.pacer.camera, u64::from(count) * u64::from(samples), start.elapsed().as_secs_f64());
@@ -226,4 +234,31 @@ impl Batch<'_> {
 /// Seed of a replicate's stream.
 fn stream(seed: u32, replicate: u32, which: u32) -> u32 {
     pcg3d([seed, replicate, which])[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chunks_cover_each_pixel_and_sample_once_however_the_pace_changes() {
+        for pixels in [1, 7, 1000, MOST_PIXELS + 5] {
+            for paces in [[1, 3], [500, 2 * u64::from(pixels)], [u64::from(pixels) - 1, 5 * u64::from(pixels)]] {
+                let (spp, mut sample, mut pixel, mut traced) = (4, 0, 0, 0);
+                let mut turn = paces.into_iter().cycle().map(|pace| pace.max(u64::from(pixels) / 9));
+                while sample < spp {
+                    let [count, samples] = chunk(turn.next().unwrap(), pixels, pixel, spp - sample);
+                    assert!((1..=MOST_PIXELS).contains(&count) && pixel + count <= pixels, "{count} from {pixel}");
+                    assert!(samples == 1 || (pixel == 0 && count == pixels), "{count} x {samples} from {pixel}");
+                    traced += u64::from(count) * u64::from(samples);
+                    pixel += count;
+                    if pixel == pixels {
+                        (pixel, sample) = (0, sample + samples);
+                    }
+                }
+                assert_eq!(traced, u64::from(pixels) * u64::from(spp), "{pixels} pixels, {paces:?}");
+                assert_eq!(sample, spp);
+            }
+        }
+    }
 }
