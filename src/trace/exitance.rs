@@ -1,8 +1,7 @@
 //! The map of light that photons leave at the touched face, and its smoothing.
 //!
 //! A texel of a few photons is noisy; the light on the face is smooth. So each map is smoothed by a kernel whose bias is
-//! small against its noise, both measured on the maps of the replicates (in the manner of Lepski 1991, Theory Probab. Appl.
-//! 35, 454).
+//! small against its noise, both measured on the maps of the replicates.
 
 use super::cpu::photons::DEPOSIT_UNIT;
 use super::cpu::{Limits, Path};
@@ -16,6 +15,8 @@ use std::collections::HashMap;
 const WIDTHS: [[usize; 2]; 7] = [[1, 3], [3, 7], [5, 9], [7, 13], [9, 19], [13, 27], [19, 39]];
 /// Groups of replicates that the measure of the bias tells apart.
 const GROUPS: usize = 8;
+/// Largest bias that is allowed, as a share of the noise.
+const BIAS_SHARE: f64 = 0.2;
 
 /// Light per area that meets the touched face in a replicate: what would enter the tissue through true contact, and through
 /// the gap, in film units.
@@ -127,7 +128,7 @@ impl TouchedFace {
     pub fn choose(&self, maps: &[ContactLight]) -> Smoothing {
         let groups = GROUPS.min(maps.len());
         let mut chosen = Smoothing::default();
-        if groups < 2 {
+        if groups < 3 {
             return chosen;
         }
         for which in 0..2 {
@@ -139,45 +140,75 @@ impl TouchedFace {
     }
 }
 
-/// Width of the boxes that `parts`, independent estimates of the light e, bear, and its bias.
+/// Width of the boxes that `parts`, independent estimates of the light e, bear, and its bias over the light.
 ///
-/// T_w e - T_v e is what a width w of about 2 v adds to the bias of v. Its square is measured by products of different
-/// parts, which have no noise in common. While it is below twice the variance of T_w (the measure is noisy itself), the
-/// narrower of the two is taken: its bias is at least four times smaller and its noise twice as large, so that the bias stays
-/// below a fifth of the noise.
+/// T_d e - T_v e is what a width d adds to the bias of a width v. Its square is measured by products of different parts, which
+/// have no noise in common, and is known to about the error of that measure. The kernel's bias goes as the fourth power of
+/// its width and its noise as the inverse: so much narrower than d that the largest bias the measure allows is a share of the
+/// noise, the width is safe. A structure finer than v escapes the pair (v, d), but then a narrower pair has seen it: the
+/// search goes from narrow to wide and ends where v itself is no longer safe.
 fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
-    let count = parts.len() as f64;
-    let square = |a: &[f64]| a.iter().zip(area).map(|(a, w)| a * a * w).sum::<f64>();
-    // Square of what the parts have in common, and of their noise in the mean of all.
-    let split = |parts: &[Vec<f64>]| {
-        let own = parts.iter().map(|part| square(part)).sum::<f64>() / count;
-        let whole = square(&mean(parts.iter().map(Vec::as_slice)));
-        ((count * whole - own) / (count - 1.0), (own - whole) / (count - 1.0))
-    };
-    let (light, _) = split(parts);
-    let smooth = |width| -> Vec<Vec<f64>> {
-        let smoother = Smoother::new(area, columns, width);
-        parts.par_iter().map(|part| smoother.smooth(part)).collect()
-    };
     let mut chosen = (1, 0.0);
+    let light = Square::of(parts, area).common;
     if light <= 0.0 {
         return chosen;
     }
     let mut known: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
-    for [width, double] in WIDTHS {
-        for width in [width, double] {
-            known.entry(width).or_insert_with(|| smooth(width));
+    for [narrow, wide] in WIDTHS {
+        for width in [narrow, wide] {
+            known.entry(width).or_insert_with(|| {
+                let smoother = Smoother::new(area, columns, width);
+                parts.par_iter().map(|part| smoother.smooth(part)).collect()
+            });
         }
-        let (narrow, wide) = (&known[&width], &known[&double]);
-        let added: Vec<Vec<f64>> =
-            wide.iter().zip(narrow).map(|(w, n)| w.iter().zip(n).map(|(w, n)| w - n).collect()).collect();
-        let (bias, _) = split(&added);
-        if bias > 2.0 * split(wide).1 {
+        let pairs = known[&wide].iter().zip(&known[&narrow]);
+        let added: Vec<Vec<f64>> = pairs.map(|(w, n)| w.iter().zip(n).map(|(w, n)| w - n).collect()).collect();
+        let (added, noise) = (Square::of(&added, area), Square::of(&known[&wide], area).noise);
+        let added_share = 1.0 - (narrow as f64 / wide as f64).powi(4);
+        let largest = (added.common.max(0.0) + added.error).sqrt() / added_share;
+        let safe = wide as f64 * (BIAS_SHARE * noise.sqrt() / largest).powf(0.2).min(1.0);
+        if !(safe >= narrow as f64) {
             break;
         }
-        chosen = (width, (bias.max(0.0) / light).sqrt() / 4.0);
+        let odd = ((safe - 1.0) / 2.0).floor() * 2.0 + 1.0;
+        let bias = added.common.max(0.0).sqrt() / added_share * (odd / wide as f64).powi(4);
+        if odd as usize >= chosen.0 {
+            chosen = (odd as usize, bias / light.sqrt());
+        }
     }
     chosen
+}
+
+/// Mean square over the face of what independent estimates show.
+struct Square {
+    /// Of what they have in common, without bias: may be negative.
+    common: f64,
+    /// Standard error of that, by the jackknife.
+    error: f64,
+    /// Of the noise in the mean of all.
+    noise: f64,
+}
+
+impl Square {
+    fn of(parts: &[Vec<f64>], area: &[f64]) -> Self {
+        let n = parts.len() as f64;
+        let whole = mean(parts.iter().map(Vec::as_slice));
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).zip(area).map(|((a, b), w)| a * b * w).sum::<f64>();
+        let own: Vec<f64> = parts.iter().map(|part| product(part, part)).collect();
+        let (owns, all) = (own.iter().sum::<f64>(), n * n * product(&whole, &whole));
+        let without: Vec<f64> = parts
+            .iter()
+            .zip(&own)
+            .map(|(part, own)| (all - 2.0 * n * product(part, &whole) + 2.0 * own - owns) / ((n - 1.0) * (n - 2.0)))
+            .collect();
+        let middle = without.iter().sum::<f64>() / n;
+        let spread = without.iter().map(|c| (c - middle).powi(2)).sum::<f64>();
+        Self {
+            common: (all - owns) / (n * (n - 1.0)),
+            error: (spread * (n - 1.0) / n).sqrt(),
+            noise: (owns - all / n) / (n * (n - 1.0)),
+        }
+    }
 }
 
 fn mean<'a>(lists: impl Iterator<Item = &'a [f64]>) -> Vec<f64> {
