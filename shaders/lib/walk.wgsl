@@ -1,7 +1,7 @@
 // The walk: from event to event through the stack until the path meets a wall, leaves, or touches tissue.
 // The layer is carried; a hit counts only when the ray crosses outward for its layer, so there is no epsilon.
 
-// Whether this is a camera path that reads the map. (One that goes on into tissue gains nothing and takes longer.)
+// Whether this is a camera path that ends at tissue. (One that goes on into it gains nothing and takes longer.)
 override EYE: bool = false;
 
 fn safe_divide(a: f32, b: f32) -> f32 { return select(a / b, FAR, b == 0.0); }
@@ -58,17 +58,24 @@ fn meet(i: u32, normal: vec3f, side: f32) -> bool {
     }
     let b = sqrt(b_sq);
     let r = fresnel(a, b, n_sq, n_sq + dn_sq);
-    // Nothing shines below the stack: go on with what the lowest face mirrors.
-    let sure = EYE && i == 0u && side < 0.0 && !(ROUGH && face_kind(0u) != 0u);
-    path.weight *= select(1.0, r, sure);
-    let u = select(draw(), 0.0, sure);
-    if (u < r) {
-        record(i * 4u + 1u, r - u);
+    let u = draw();
+    // Nothing shines below or above the stack: a path from the camera goes on with what the outer faces mirror. Only out of a
+    // dent may it come back.
+    var chance = r;
+    if (EYE) {
+        let top = i == scene.layer_count && side > 0.0;
+        let even = !(ROUGH && face_kind(i) != 0u);
+        if (even && (top || i == 0u && side < 0.0)) { chance = select(1.0, max(r, 0.5), top && face_share(i) != 0.0); }
+    }
+    if (u < chance) {
+        if (EYE) { path.weight *= r / chance; }
+        record(i * 4u + 1u, chance - u);
         path.reflected = true;
         bounce(i, normal, m, side, a);
         return false;
     }
-    record(i * 4u + 2u, u - r);
+    if (EYE) { path.weight *= (1.0 - r) / (1.0 - chance); }
+    record(i * 4u + 2u, u - chance);
     refract_through(i, normal, m, side, a, b);
     return true;
 }

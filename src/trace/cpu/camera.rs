@@ -45,7 +45,7 @@ impl<T: Real> Path<'_, T> {
     /// Radiance (over the square of the surround's index) along one camera path.
     pub fn camera_path(&mut self, view: View<T>, seed: u32, pixel: u32, sample: u32) -> T {
         self.start_random(seed, pixel, sample);
-        self.eye = view.exitance.is_some();
+        self.eye = view.exitance.is_some() || !self.kernel.touched;
         self.start_camera_path(pixel);
         let [half_x, half_y] = self.model.half_size;
         if self.o.x.abs() >= half_x || self.o.y.abs() >= half_y {

@@ -121,7 +121,7 @@ pub struct Path<'m, T: Real> {
     pub place: u32,
     /// Seed of the lattice's shift.
     pub seed: u32,
-    /// Whether it comes from the camera and reads the map.
+    /// Whether it comes from the camera and ends at tissue.
     pub eye: bool,
     /// Interactions.
     pub bounces: u32,

@@ -59,20 +59,25 @@ impl<T: Real> Path<'_, T> {
         }
         let b = b_sq.sqrt();
         let r = fresnel(a, b, n_sq, n_sq + dn_sq);
-        // Nothing shines below the stack: go on with what the lowest face mirrors.
-        let sure = self.eye && i == 0 && side < T::zero() && face.kind == 0;
         let u = self.draw();
-        let u = if sure { T::zero() } else { u };
-        if sure {
-            self.weight = self.weight * r;
-        }
-        if u < r {
-            self.record(code + 1, r - u);
+        // Nothing shines below or above the stack: a path from the camera goes on with what the outer faces mirror. Only
+        // out of a dent may it come back.
+        let outer = i == 0 && side < T::zero() || i == self.top() && side > T::zero();
+        let one = T::one();
+        let chance = match self.eye && outer && face.kind == 0 {
+            true if i == 0 || face.share == T::zero() => one,
+            true => r.max(T::of(0.5)),
+            false => r,
+        };
+        if u < chance {
+            self.weight = self.weight * (r / chance);
+            self.record(code + 1, chance - u);
             self.reflected = true;
             self.bounce(i, normal, m, side, a);
             return false;
         }
-        self.record(code + 2, u - r);
+        self.weight = self.weight * ((one - r) / (one - chance));
+        self.record(code + 2, u - chance);
         self.refract_through(i, normal, m, side, a, b);
         true
     }

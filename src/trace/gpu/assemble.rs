@@ -129,7 +129,8 @@ pub fn constants(kernel: &Kernel, entry: Entry) -> Vec<(&'static str, f64)> {
     match entry {
         Entry::Camera(mode) => {
             let (mapped, complement) = (mode == CameraMode::Mapped, mode == CameraMode::Complement);
-            constants.extend([("EYE", mapped), ("MAPPED", mapped), ("COMPLEMENT", complement)]);
+            let eye = mapped || !kernel.touched;
+            constants.extend([("EYE", eye), ("MAPPED", mapped), ("COMPLEMENT", complement)]);
         }
         Entry::Photons(mode) => {
             constants.extend([("MAPPED", mode == PhotonMode::Map), ("SPLATTED", mode == PhotonMode::Splat)])
