@@ -23,10 +23,12 @@ import numpy as np
 mi.set_variant("llvm_ad_mono")
 
 import mitsuba_scene as peer  # noqa: E402 (needs the variant)
+import pressed_scene  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 GRID_CELLS = 256
+PRESSED_PEER = ROOT / "target/release/examples/pressed_peer"
 
 
 class Case:
@@ -46,7 +48,15 @@ def cases(scenes, work):
         found[name] = Case(name, path, peer.load(path), None, name != "dent-cap")
     found["dent-cap-mesh"] = _mesh_case(found["dent-cap"].scene, work)
     found["dent-smooth"] = _smooth_case(found["dent-cap"].scene, work)
+    found["pressed"] = Case("pressed", HERE / "pressed.toml", peer.load(HERE / "pressed.toml"), None, True)
     return found
+
+
+def _pressed(case):
+    """Interfaces and contact of a press, or None where nothing is pressed."""
+    if "press" not in case.scene:
+        return None
+    return pressed_scene.Faces(PRESSED_PEER, case.scene_file, peer.Stack(case.scene).half_mm, peer.contact(case.scene)[0])
 
 
 def _smooth_case(scene, work):
@@ -161,7 +171,7 @@ def lit(scene, image):
 
 def compare(case, arguments, work):
     """All figures of one case."""
-    loaded = peer.build(case.scene, arguments.spp, grid_cells=case.grid_cells)
+    loaded = peer.build(case.scene, arguments.spp, grid_cells=case.grid_cells, pressed=_pressed(case))
     peer.render(loaded, 4, 1_000_000)  # compiles the kernel
     out = work / case.name
     theirs, ours = Rounds(), Rounds()

@@ -2,8 +2,8 @@
 
 Only what both programs mean by the same words is translated; everything else is refused with a line that names it, so
 that a comparison never runs on two different scenes. What is translated: flat or dented stacks of smooth, clear layers
-with black walls, bonded Lambertian LEDs without a cut-off, a pinhole, and one disc of full contact with index-matched
-tissue. Lengths are mm; z points up from the camera; image columns run along +x, row 0 lies at +y.
+with black walls, bonded Lambertian LEDs without a cut-off, a pinhole, one disc of full contact with index-matched
+tissue, and pressed phantoms on such tissue. Lengths are mm; z points up from the camera; image columns run along +x, row 0 lies at +y.
 """
 
 import math
@@ -89,15 +89,16 @@ def contact(scene):
     if touch is None:
         return None
     pressure, tissue = touch["pressure"], touch["tissue"]
-    if pressure["kind"] != "disc":
+    if pressure["kind"] not in ("disc", "press"):
         raise Unsupported(f"touch.contact.pressure {pressure['kind']!r}")
-    if touch.get("law", {"kind": "full"})["kind"] != "full":
+    if pressure["kind"] == "disc" and touch.get("law", {"kind": "full"})["kind"] != "full":
         raise Unsupported("a contact law other than full")
     if tissue["n"] != scene["stack"]["layer"][0]["n"]:
         raise Unsupported("tissue whose index differs from that of the layer it touches")
     if "diffuse_reflectance" not in tissue or tissue.get("spread_mm", 0.0) != 0.0:
         raise Unsupported("tissue given by coefficients or with a sideways spread")
-    return pressure["radius_mm"], pressure.get("center_mm", [0.0, 0.0]), tissue["diffuse_reflectance"]
+    radius = scene["press"]["footprint"]["radius_mm"] if pressure["kind"] == "press" else pressure["radius_mm"]
+    return radius, pressure.get("center_mm", [0.0, 0.0]), tissue["diffuse_reflectance"]
 
 
 def _sink(stack, height_mm, cap, r2):
@@ -162,8 +163,9 @@ def write_obj(path, vertices, faces):
             file.write(f"f {a} {b} {c}\n")
 
 
-def build(scene, spp, grid_cells=None, max_depth=256):
-    """The loaded Mitsuba scene. A dented face is a grid of that many squares a side, or smooth (see `smooth_face`)."""
+def build(scene, spp, grid_cells=None, max_depth=256, pressed=None):
+    """The loaded Mitsuba scene. A dented face is a grid of that many squares a side, or smooth (see `smooth_face`); the
+    interfaces of a press are `pressed` (see pressed_scene.py)."""
     transform = mi.ScalarTransform4f
     stack = Stack(scene)
     view = _view(scene)
@@ -189,7 +191,11 @@ def build(scene, spp, grid_cells=None, max_depth=256):
         },
     }
     inner_follows = scene.get("touch", {}).get("inner", "follow") == "follow"
-    for i, z in enumerate(stack.heights_mm):
+    if ("press" in scene) != (pressed is not None):
+        raise Unsupported("a press without its interfaces")
+    if pressed is not None:
+        parts |= pressed.parts(stack.indices, disc[2])
+    for i, z in enumerate([] if pressed else stack.heights_mm):
         bsdf = {"type": "dielectric", "int_ior": stack.indices[i], "ext_ior": stack.indices[i + 1]}
         moves = z == stack.top_mm or (inner_follows and z > stack.rigid_mm)
         if cap and moves:
@@ -198,7 +204,7 @@ def build(scene, spp, grid_cells=None, max_depth=256):
         else:
             scale = transform().translate([0, 0, z]).scale([*stack.half_mm, 1])
             parts[f"face{i}"] = {"type": "rectangle", "to_world": scale, "bsdf": bsdf}
-    if disc:
+    if disc and pressed is None:
         radius, center, albedo = disc
         place = transform().translate([*center, stack.top_mm - STAND_OFF_MM]).rotate([1, 0, 0], 180).scale(radius)
         parts["contact"] = {"type": "disk", "to_world": place, "bsdf": {"type": "diffuse", "reflectance": albedo}}

@@ -21,5 +21,5 @@ if [ -z "${DRJIT_LIBLLVM_PATH:-}" ] && [ "$(uname -s)" = Linux ]; then
 fi
 export NODEVICE_SELECT=1
 
-cargo build --release --locked --manifest-path "$here/../../Cargo.toml"
+cargo build --release --locked --manifest-path "$here/../../Cargo.toml" --bin tirtouch --example pressed_peer
 exec "$python" "$here/compare.py" "$@"
