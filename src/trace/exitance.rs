@@ -11,12 +11,15 @@ use super::spread::Spread;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Widths of the boxes on trial, texels, each beside one about twice as wide.
-const WIDTHS: [[usize; 2]; 7] = [[1, 3], [3, 7], [5, 9], [7, 13], [9, 19], [13, 27], [19, 39]];
+/// Pairs of widths of the boxes on trial, texels. Wider ones reach over all of a face 8 mm across, where the bias no longer grows
+/// as a power: they took twice the bias for safe.
+const WIDTHS: [[usize; 2]; 6] = [[1, 3], [3, 7], [5, 9], [7, 13], [9, 19], [13, 27]];
 /// Groups of replicates that the measure of the bias tells apart.
 const GROUPS: usize = 8;
 /// Largest bias that is allowed, as a share of the noise.
 const BIAS_SHARE: f64 = 0.2;
+/// Power of the width that the bias goes as: between 4, the kernel's inside the tissue, and 2, that along the tissue's rim.
+const ORDER: i32 = 3;
 
 /// Light per area that meets the touched face in a replicate: what would enter the tissue through true contact, and through
 /// the gap, in film units.
@@ -143,10 +146,10 @@ impl TouchedFace {
 /// Width of the boxes that `parts`, independent estimates of the light e, bear, and its bias over the light.
 ///
 /// T_d e - T_v e is what a width d adds to the bias of a width v. Its square is measured by products of different parts, which
-/// have no noise in common, and is known to about the error of that measure. The kernel's bias goes as the fourth power of
-/// its width and its noise as the inverse: so much narrower than d that the largest bias the measure allows is a share of the
-/// noise, the width is safe. A structure finer than v escapes the pair (v, d), but then a narrower pair has seen it: the
-/// search goes from narrow to wide and ends where v itself is no longer safe.
+/// have no noise in common, and is known to about the error of that measure. Bias goes as a power of the width and noise as its
+/// inverse: so much narrower than d that the largest bias the measure allows is a share of the noise, the width is safe. A
+/// structure finer than v escapes the pair (v, d), but then a narrower pair has seen it: the search goes from narrow to wide
+/// and ends where v itself is no longer safe.
 fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
     let mut chosen = (1, 0.0);
     let light = Square::of(parts, area).common;
@@ -164,16 +167,17 @@ fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
         let pairs = known[&wide].iter().zip(&known[&narrow]);
         let added: Vec<Vec<f64>> = pairs.map(|(w, n)| w.iter().zip(n).map(|(w, n)| w - n).collect()).collect();
         let (added, noise) = (Square::of(&added, area), Square::of(&known[&wide], area).noise);
-        let added_share = 1.0 - (narrow as f64 / wide as f64).powi(4);
+        let added_share = 1.0 - (narrow as f64 / wide as f64).powi(ORDER);
         let largest = (added.common.max(0.0) + added.error).sqrt() / added_share;
-        let safe = wide as f64 * (BIAS_SHARE * noise.sqrt() / largest).powf(0.2).min(1.0);
-        if !(safe >= narrow as f64) {
+        let safe = wide as f64 * (BIAS_SHARE * noise.sqrt() / largest).powf(1.0 / f64::from(ORDER + 1)).min(1.0);
+        // Boxes are of an odd number of texels.
+        let safe = ((safe - 1.0) / 2.0).floor().max(0.0) as usize * 2 + 1;
+        if safe < narrow {
             break;
         }
-        let odd = ((safe - 1.0) / 2.0).floor() * 2.0 + 1.0;
-        let bias = added.common.max(0.0).sqrt() / added_share * (odd / wide as f64).powi(4);
-        if odd as usize >= chosen.0 {
-            chosen = (odd as usize, bias / light.sqrt());
+        if safe > chosen.0 {
+            let bias = added.common.max(0.0).sqrt() / added_share * (safe as f64 / wide as f64).powi(ORDER);
+            chosen = (safe, bias / light.sqrt());
         }
     }
     chosen

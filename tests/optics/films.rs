@@ -123,6 +123,22 @@ fn paths_and_photons_agree_through_microfacets() {
 }
 
 #[test]
+fn paths_that_weigh_what_the_outer_faces_mirror_find_what_paths_that_draw_it_find() {
+    // Where nothing touches, camera paths carry Fresnel's share as a weight. A speck of tissue makes them draw it.
+    let mut speck = bright("contact-disc").scene.touch.contact;
+    if let Some(Pressure::Disc { radius_mm, .. }) = speck.as_mut().map(|contact| &mut contact.pressure) {
+        *radius_mm = 0.01;
+    }
+    for preset in ["flat-bonded", "dent-cap"] {
+        let mut loaded = bright(preset);
+        let weighed = film(&bench::model(&loaded), Integrator::Path, 256, 1 << 20, 12);
+        loaded.scene.touch.contact = speck.clone();
+        let drawn = film(&bench::model(&loaded), Integrator::Path, 4096, 1 << 20, 13);
+        agree_within(0.03, preset, &weighed, &drawn);
+    }
+}
+
+#[test]
 fn an_image_of_few_pixels_and_many_samples_loses_no_light_on_the_gpu() {
     // Few pixels mean many samples a thread, and a software driver ends a thread's loops after 65,535 turns.
     let mut loaded = bright("contact-disc");
