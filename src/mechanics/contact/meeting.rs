@@ -1,6 +1,6 @@
 //! Where a point of the touched face meets its counterpart, and how the gap there changes.
 
-use super::project::{Face, Hit, cross, dot};
+use super::project::{Face, Hit, cross, dot, slides};
 use super::{Contact, Counterpart, Grip, Profile};
 use crate::mechanics::kinematics::Kinematics;
 
@@ -67,18 +67,6 @@ impl Surface {
         let length = dot(normal, normal).sqrt();
         Self { x, normal: normal.map(|c| sign * c / length), tangents }
     }
-
-    /// Tangents' duals.
-    fn duals(&self) -> [[f64; 3]; 2] {
-        let [t, s] = self.tangents;
-        let m = [dot(t, t), dot(t, s), dot(s, s)];
-        if m[2] == 0.0 {
-            return [t.map(|c| c / m[0]), [0.0; 3]];
-        }
-        let determinant = m[0] * m[2] - m[1] * m[1];
-        let row = |p: f64, q: f64| [0, 1, 2].map(|i| (p * t[i] + q * s[i]) / determinant);
-        [row(m[2], -m[1]), row(-m[1], m[0])]
-    }
 }
 
 impl Contact {
@@ -94,7 +82,7 @@ impl Contact {
                 second: Second::Zero,
             }),
             Counterpart::Face(facets) => {
-                let duals = point.duals();
+                let duals = slides(self.kinematics.dim() - 1, point.tangents, point.tangents)?;
                 face.hit(point.x, point.normal, point.tangents).map(|hit| {
                     let Hit { facet, value, gap, .. } = hit;
                     let turns =
@@ -136,6 +124,14 @@ impl Contact {
     }
 }
 
+/// A node that moves a gap: its weight, the body it belongs to (0 the touched one) and its place in the facet.
+struct Mover {
+    node: u32,
+    weight: f64,
+    body: usize,
+    place: usize,
+}
+
 /// Takes second derivatives by a pair of nodes: their symmetric part and the rest.
 pub type Add<'a> = dyn FnMut(u32, u32, [[f64; 3]; 3], [[f64; 3]; 3]) + 'a;
 
@@ -158,20 +154,22 @@ impl Meeting<'_> {
     /// The force n W_a on node a turns with n and moves with W_a: with D the motion of the point along a face and E the turning
     /// of that face, -(D E) of the touched one and -(E D) of the counterpart. Where both turn together it is symmetric.
     fn faces_second(&self, faces: &Faces, own: &[u32], shape: &[f64; 9], add: &mut Add) {
-        let counter = self.nodes.iter().zip(&self.value).enumerate().map(|(a, (&node, &n))| (node, -n, 1, a));
-        let movers: Vec<(u32, f64, usize, usize)> =
-            own.iter().zip(shape).enumerate().map(|(a, (&node, &n))| (node, n, 0, a)).chain(counter).collect();
-        let turn = |(_, _, body, place): &(u32, f64, usize, usize), of: usize, l: usize| {
-            if *body == of { faces.turns[of].gradient[*place][l] } else { 0.0 }
+        let mover = |body: usize, sign: f64| {
+            move |(place, (&node, &n)): (usize, (&u32, &f64))| Mover { node, weight: sign * n, body, place }
         };
-        let exact = |a: &(u32, f64, usize, usize), b: &(u32, f64, usize, usize), i: usize, j: usize| {
+        let touched = own.iter().zip(shape).enumerate().map(mover(0, 1.0));
+        let counter = self.nodes.iter().zip(&self.value).enumerate().map(mover(1, -1.0));
+        let movers: Vec<Mover> = touched.chain(counter).collect();
+        let turn = |mover: &Mover, of: usize, l: usize| {
+            if mover.body == of { faces.turns[of].gradient[mover.place][l] } else { 0.0 }
+        };
+        let [slide, counter_slide] = faces.turns.each_ref().map(|turn| turn.slide);
+        let exact = |a: &Mover, b: &Mover, i: usize, j: usize| {
             let n = &self.normal;
-            (0..2)
-                .map(|l| {
-                    let [touched, counter] = &faces.turns;
-                    a.1 * touched.slide[l][i] * turn(b, 0, l) * n[j] + turn(a, 1, l) * n[i] * counter.slide[l][j] * b.1
-                })
-                .sum::<f64>()
+            let along = |l: usize| {
+                a.weight * slide[l][i] * turn(b, 0, l) * n[j] + turn(a, 1, l) * n[i] * counter_slide[l][j] * b.weight
+            };
+            along(0) + along(1)
         };
         for a in &movers {
             for b in &movers {
@@ -183,7 +181,7 @@ impl Meeting<'_> {
                         odd[i][j] = -0.5 * (here - mirrored);
                     }
                 }
-                add(a.0, b.0, even, odd);
+                add(a.node, b.node, even, odd);
             }
         }
     }
