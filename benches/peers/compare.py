@@ -188,6 +188,7 @@ def compare(case, arguments, work):
     found = ours.variance_of_mean()[mask].mean() * arguments.rounds
     result = {
         "case": case.name,
+        "rounds": arguments.rounds,
         "scene": case.scene["name"],
         "grid_cells": case.grid_cells,
         "integrator": ours.reports[0]["integrator"],
@@ -221,18 +222,18 @@ def compare(case, arguments, work):
 def table(results, arguments):
     """The figures as Markdown."""
     lines = [
-        f"Medians of {arguments.rounds} alternating rounds; Mitsuba {mi.__version__} `llvm_ad_mono`, {arguments.spp} paths"
+        f"Medians of alternating rounds; Mitsuba {mi.__version__} `llvm_ad_mono`, {arguments.spp} paths"
         f" per pixel, {os.cpu_count()} cores; tirtouch on {results[0]['adapter']}.",
         "Intervals are 95 %. Ratios are tirtouch over Mitsuba; efficiency is 1 / (relative pixel variance x seconds).",
         "",
-        "| scene | integrator | mean radiance, ratio | blocks agree | paths/s | Mitsuba paths/s | ratio | efficiency ratio |",
-        "|---|---|---|---|---|---|---|---|",
+        "| scene | rounds | integrator | mean radiance, ratio | blocks agree | paths/s | Mitsuba paths/s | ratio | efficiency ratio |",
+        "|---|---|---|---|---|---|---|---|---|",
     ]
     for r in results:
         mean = r["mean_ratio"]
         agrees = {True: "yes", False: "no", None: "not tested"}[r.get("block_test_agrees")]
         lines.append(
-            f"| {r['case']} | {r['integrator']} | {mean['ratio']:.4f} ± {mean['half_width_95']:.4f} | {agrees}"
+            f"| {r['case']} | {r['rounds']} | {r['integrator']} | {mean['ratio']:.4f} ± {mean['half_width_95']:.4f} | {agrees}"
             f" | {r['tirtouch_paths_per_second']:.2e} | {r['mitsuba_paths_per_second']:.2e}"
             f" | {r['paths_per_second_ratio']:.2f} | {r['efficiency_ratio']:.2f} |")
     return "\n".join(lines) + "\n"
