@@ -107,7 +107,7 @@ impl Converge {
             only: self.only,
             quiet: self.talk.quiet,
         };
-        let found = climb.run(&records)?;
+        let found = climb.run(&records).map_err(|failure| failure.resumable(&place))?;
         records.write("converge.csv", &table::csv(&found.rungs)?)?;
         for (file, svg) in pictures::draw(&name, &found.rungs)? {
             records.write(&file, &svg)?;

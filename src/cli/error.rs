@@ -70,6 +70,19 @@ impl Failure {
         Self::new(Kind::Cancelled, "stopped on request; nothing was written")
     }
 
+    /// Stopped on request by a command that can go on from what it wrote to `place`; other failures as they are.
+    #[must_use]
+    pub fn resumable(self, place: &Path) -> Self {
+        match self.kind {
+            Kind::Cancelled => {
+                let message =
+                    format!("stopped on request; what was done is in {}: go on with --resume", place.display());
+                Self::new(Kind::Cancelled, message)
+            }
+            _ => self,
+        }
+    }
+
     /// The file it is about.
     #[must_use]
     pub fn in_file(self, file: &Path) -> Self {

@@ -3,10 +3,11 @@
 use super::facts::{columns, figure};
 use super::job::Job;
 use super::regimes::regimes;
-use super::{Failure, Outcome, Talk, print};
+use super::{Failure, Outcome, Progress, Talk, cancel, print};
 use crate::optics::{acceptance_deg, critical_deg};
 use crate::surface::Surface;
-use crate::trace::{Backend, BackendChoice, Kernel, Method, Plan, Precision};
+use crate::trace::gains::{Gain, gains};
+use crate::trace::{Backend, BackendChoice, Kernel, Method, Plan, Precision, Settings};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -18,9 +19,18 @@ use std::path::PathBuf;
 pub(super) struct Inspect {
     /// Scene file, or preset:NAME for a scene that comes with the program.
     scene: PathBuf,
+    /// Measure what it gains to leave out what the scene does not need: small images with each piece and without, in turn.
+    #[arg(long)]
+    gains: bool,
+    /// Rounds of that.
+    #[arg(long, value_name = "N", default_value_t = 5, requires = "gains", value_parser = clap::value_parser!(u32).range(2..=100), allow_negative_numbers = true)]
+    rounds: u32,
     #[command(flatten)]
     talk: Talk,
 }
+
+/// Samples a pixel and most pixels along a side of the images that gains are measured on.
+const GAIN_IMAGE: (u32, u32) = (64, 192);
 
 /// The angles of one layer.
 #[derive(Debug, Clone, Serialize)]
@@ -55,12 +65,29 @@ impl Inspect {
                 Device { backend: None, adapter: "none that can do it".into(), notice: Some(error.to_string()) }
             }
         };
-        let seen = Seen { layers: layers(&job), job: &job, kernel, plan, device };
+        let gains = if self.gains { Some(self.measure(&job)?) } else { None };
+        let seen = Seen { layers: layers(&job), job: &job, kernel, plan, device, gains };
         match self.talk.json {
             true => print(&seen.json()?.to_string())?,
             false => print(&seen.text()?)?,
         }
-        Ok(Outcome::Done)
+        let same = seen.gains.iter().flatten().all(|gain| gain.same_image);
+        Ok(if same { Outcome::Done } else { Outcome::CheckFailed })
+    }
+
+    fn measure(&self, job: &Job) -> Result<Vec<Gain>, Failure> {
+        let (spp, most) = GAIN_IMAGE;
+        let mut model = job.model.clone();
+        let camera = &mut model.camera;
+        let shrink = camera.size[0].max(camera.size[1]).div_ceil(most);
+        camera.size = camera.size.map(|pixels| (pixels / shrink).max(1));
+        camera.pixel_tan *= f64::from(shrink);
+        let settings = Settings { spp, photons: None, ..job.settings.clone() };
+        let progress = Progress::new(self.talk.quiet);
+        Ok(gains(&model, &settings, self.rounds, &mut |stage| {
+            progress.observe(stage.done, stage.what);
+            !cancel::requested()
+        })?)
     }
 }
 
@@ -109,6 +136,7 @@ struct Seen<'a> {
     kernel: Kernel,
     plan: Plan,
     device: Device,
+    gains: Option<Vec<Gain>>,
 }
 
 impl Seen<'_> {
@@ -158,7 +186,19 @@ impl Seen<'_> {
             "backend": self.device.backend,
             "adapter": self.device.adapter,
             "notice": self.device.notice,
+            "gains": self.gains,
         }))
+    }
+
+    /// What leaving out gains, a row each.
+    fn gains_text(gains: &[Gain]) -> String {
+        let row = |gain: &Gain| {
+            let image = if gain.same_image { "same image" } else { "ANOTHER IMAGE" };
+            let times = format!("{:.2} times the time ({:.2} to {:.2}), {image}", gain.slower, gain.low, gain.high);
+            (gain.piece.clone(), times)
+        };
+        let rows: Vec<_> = gains.iter().map(row).collect();
+        format!("\n  with what is left out, on a small image:\n{}", columns(&rows))
     }
 
     fn text(&self) -> Result<String, Failure> {
@@ -208,6 +248,7 @@ impl Seen<'_> {
         ];
         rows.extend(self.device.notice.iter().map(|notice| row("notice", notice.clone())));
         let _ = write!(text, "\n{}", columns(&rows));
+        text.extend(self.gains.as_deref().map(Self::gains_text));
         Ok(text)
     }
 }

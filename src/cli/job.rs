@@ -10,6 +10,7 @@ use crate::surface::{ContactMap, Surface, SurfaceError, contact_map, pressed_con
 use crate::trace::{Kernel, Model, Outcome, Plan, Settings, render};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::time::Instant;
 
 /// Before the name of a scene that comes with the program.
 const PRESET: &str = "preset:";
@@ -23,6 +24,8 @@ pub(super) struct Job {
     pub contact: Option<ContactMap>,
     pub model: Model<f64>,
     pub settings: Settings,
+    /// Time to make surfaces, contact and model, seconds.
+    pub surface_seconds: f64,
     file: PathBuf,
 }
 
@@ -123,6 +126,7 @@ impl Job {
                 Failure::input(format!("{}: {error}", file.display())).in_file(&file).at_key(*key)
             }
         };
+        let start = Instant::now();
         let reached = press.as_ref().and_then(|(pressed, step)| Some((pressed, pressed.steps.get(*step)?)));
         let (surface, contact) = match reached {
             Some((pressed, step)) => {
@@ -132,7 +136,8 @@ impl Job {
         };
         let model = Model::new(&loaded, &surface, contact.clone()).map_err(place)?;
         Plan::choose(settings.integrator, &Kernel::of(&model))?;
-        Ok(Self { loaded, press, surface, contact, model, settings, file })
+        let surface_seconds = start.elapsed().as_secs_f64();
+        Ok(Self { loaded, press, surface, contact, model, settings, surface_seconds, file })
     }
 
     /// The press and the load that is traced.

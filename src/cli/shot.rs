@@ -7,8 +7,11 @@ use crate::camera::{Frame, expose};
 use crate::image_io::{Provenance, write_png_grey, write_radiance};
 use crate::report::{ColorScale, Raster, false_color, relief};
 use crate::trace::Outcome;
+use crate::trace::batch::Times;
 use crate::trace::exitance::Smoothing;
 use serde_json::{Map, Value, json};
+use std::cell::Cell;
+use std::time::Instant;
 
 /// Unit of radiance, as written in files.
 const RADIANCE_UNIT: &str = "W/(m^2 sr)";
@@ -20,6 +23,8 @@ pub(super) struct Shot<'a> {
     pub frame: Frame,
     pub mm_per_pixel: f64,
     pub seed: u32,
+    /// Time to draw and write its files so far, seconds.
+    files_seconds: Cell<f64>,
 }
 
 /// Pictures of the camera's frame, as SVG.
@@ -45,17 +50,19 @@ impl<'a> Shot<'a> {
         let (scene, seed) = (job.scene(), job.settings.seed);
         let frame = expose(&outcome.film, &scene.camera, scene.light.wavelength_nm, seed)?;
         let mm_per_pixel = job.view()?.mm_per_pixel();
-        Ok(Self { job, outcome, frame, mm_per_pixel, seed })
+        Ok(Self { job, outcome, frame, mm_per_pixel, seed, files_seconds: Cell::new(0.0) })
     }
 
     /// Writes radiance, camera image and pictures.
     pub fn write(&self, folder: &OutputFolder) -> Result<Pictures, Failure> {
+        let start = Instant::now();
         write_radiance(&folder.path("radiance.exr"), &self.outcome.film, &self.provenance())?;
         self.write_frame(folder, "camera.png")?;
         let pictures = self.pictures()?;
         folder.write("radiance.svg", &pictures.radiance)?;
         folder.write("relief.svg", &pictures.relief)?;
         folder.write("side.svg", &pictures.side)?;
+        self.files_seconds.set(start.elapsed().as_secs_f64());
         Ok(pictures)
     }
 
@@ -155,6 +162,7 @@ impl<'a> Shot<'a> {
             "segments": outcome.segments,
             "setup_seconds": outcome.setup_seconds,
             "seconds": outcome.seconds,
+            "stages_seconds": self.stages(),
             "segments_per_second": segments_per_second(outcome),
             "mean_radiance": outcome.mean_radiance,
             "relative_error": relative,
@@ -167,6 +175,23 @@ impl<'a> Shot<'a> {
             Value::Object(map) => map,
             _ => Map::new(),
         }
+    }
+
+    /// Where the time went, seconds.
+    fn stages(&self) -> Value {
+        let outcome = &self.outcome;
+        let press = self.job.pressed().map_or(0.0, |(pressed, _)| pressed.seconds + pressed.error_seconds);
+        let Times { photons, map, camera } = outcome.times;
+        json!({
+            "mechanics": press,
+            "surface": self.job.surface_seconds,
+            "setup": outcome.setup_seconds,
+            "photons": photons,
+            "map": map,
+            "camera": camera,
+            "sums": outcome.seconds - photons - map - camera,
+            "files": self.files_seconds.get(),
+        })
     }
 
     fn map_json(&self, smoothing: Smoothing) -> Value {

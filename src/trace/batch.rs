@@ -41,6 +41,19 @@ pub struct Totals {
     pub segments: u64,
     /// Ledger, in its units.
     pub tally: [i64; book::SLOTS],
+    /// Where the time went.
+    pub times: Times,
+}
+
+/// Where the time of tracing went, seconds.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Times {
+    /// Photons.
+    pub photons: f64,
+    /// What is done to their map: choice of the smoothing, smoothing, spread in the tissue.
+    pub map: f64,
+    /// Camera paths.
+    pub camera: f64,
 }
 
 impl Totals {
@@ -142,7 +155,7 @@ impl Batch<'_> {
         observe: &mut Observer,
     ) -> Result<ContactLight, TraceError> {
         let (deposits, sent) = self.photons(PhotonMode::Map, index, work.photons, observe)?;
-        Ok(face.light(&deposits, sent))
+        Ok(self.at_map(|| face.light(&deposits, sent)))
     }
 
     /// Replicate `index` of the image, from a map: radiance in W/(m^2 sr), row-major.
@@ -157,6 +170,14 @@ impl Batch<'_> {
         self.camera(CameraMode::Mapped, index, work.spp, observe)
     }
 
+    /// Does something to maps, and books its time.
+    pub fn at_map<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let done = work();
+        self.totals.times.map += start.elapsed().as_secs_f64();
+        done
+    }
+
     /// Sends photons for the ledger alone.
     pub fn ledger(&mut self, photons: u64, observe: &mut Observer) -> Result<(), TraceError> {
         self.photons(PhotonMode::Ledger, u32::MAX, photons, observe).map(|_| ())
@@ -169,6 +190,7 @@ impl Batch<'_> {
         spp: u32,
         observe: &mut Observer,
     ) -> Result<Vec<f64>, TraceError> {
+        let begun = Instant::now();
         let pixels = self.model.camera.size[0] * self.model.camera.size[1];
         let seed = stream(self.seed, index, 0);
         self.backend.clear_film()?;
@@ -192,6 +214,7 @@ impl Batch<'_> {
         let (sums, segments) = self.backend.read_film()?;
         self.totals.paths += u64::from(pixels) * u64::from(spp);
         self.totals.segments += segments;
+        self.totals.times.camera += begun.elapsed().as_secs_f64();
         let unit = self.model.unit_radiance * self.model.surround_n * self.model.surround_n;
         let each = unit / f64::from(spp) / FILM_UNIT;
         Ok(sums.into_iter().map(|s| s as f64 * each).collect())
@@ -205,6 +228,7 @@ impl Batch<'_> {
         photons: u64,
         observe: &mut Observer,
     ) -> Result<(Vec<u64>, u64), TraceError> {
+        let begun = Instant::now();
         let threads = photons.clamp(1, u64::from(THREADS)) as u32;
         let each = photons.div_ceil(u64::from(threads)).min(u64::from(u32::MAX)) as u32;
         let seed = stream(self.seed, index, 1);
@@ -225,6 +249,7 @@ impl Batch<'_> {
         let sent = u64::from(threads) * u64::from(each);
         debug_assert_eq!(tally[book::EMITTED], (sent as f64 * UNIT) as i64);
         self.totals.photons += sent;
+        self.totals.times.photons += begun.elapsed().as_secs_f64();
         self.totals.segments += tally[book::SEGMENTS].max(0) as u64;
         self.totals.tally.iter_mut().zip(tally).for_each(|(sum, v)| *sum += v);
         Ok((deposits, sent))

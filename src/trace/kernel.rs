@@ -44,10 +44,28 @@ pub enum ShapePiece {
     Mesh,
 }
 
+/// A piece that a kernel can carry without a use for it. The image is the same, the time is not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Spare {
+    /// A search on both faces of a layer.
+    DeformedPairs,
+    /// Exponentials.
+    Absorption,
+    /// Both models of roughness.
+    Roughness,
+    /// Tabulated patterns.
+    LedTables,
+    /// Cosine-power patterns.
+    CosinePower,
+    /// Points on a lens.
+    Lens,
+}
+
 impl Kernel {
-    /// The pieces a model needs.
+    /// The pieces a model needs, and those it is to carry.
     pub fn of<T: Real>(model: &Model<T>) -> Self {
         let zero = T::zero();
+        let carries = |piece| model.spare.contains(&piece);
         Self {
             shape: match model.shape {
                 Shape::Plane => ShapePiece::Plane,
@@ -55,17 +73,18 @@ impl Kernel {
                 Shape::Field(_) => ShapePiece::Field,
                 Shape::Mesh(_) => ShapePiece::Mesh,
             },
-            deformed_pairs: model.faces.windows(2).any(|pair| pair.iter().all(|f| f.share != zero)),
-            absorbing: model.layers.iter().any(|l| l.absorption > zero),
+            deformed_pairs: carries(Spare::DeformedPairs)
+                || model.faces.windows(2).any(|pair| pair.iter().all(|f| f.share != zero)),
+            absorbing: carries(Spare::Absorption) || model.layers.iter().any(|l| l.absorption > zero),
             clear_walls: model.walls == Walls::Clear,
             mirror_walls: model.walls == Walls::Mirror,
-            rough: model.faces.iter().any(|f| f.kind != 0),
+            rough: carries(Spare::Roughness) || model.faces.iter().any(|f| f.kind != 0),
             touched: model.tissue.is_some(),
             spreading: model.tissue.as_ref().is_some_and(|t| t.spread_d > zero),
             share_grid: model.tissue.as_ref().is_some_and(|t| !t.grid.is_empty()),
-            led_tables: model.leds.iter().any(|l| l.table.is_some()),
-            cosine_power: model.leds.iter().any(|l| l.exponent != T::one()),
-            lens: model.camera.lens_radius > zero,
+            led_tables: carries(Spare::LedTables) || model.leds.iter().any(|l| l.table.is_some()),
+            cosine_power: carries(Spare::CosinePower) || model.leds.iter().any(|l| l.exponent != T::one()),
+            lens: carries(Spare::Lens) || model.camera.lens_radius > zero,
         }
     }
 

@@ -8,6 +8,7 @@ pub mod backend;
 pub mod batch;
 pub mod cpu;
 pub mod exitance;
+pub mod gains;
 pub mod gpu;
 pub mod kernel;
 pub mod leds;

@@ -3,6 +3,7 @@
 //! Layers are numbered from the camera side: 0 is the surround below, 1 the lowest layer, N the touched one, N + 1 the
 //! surround above. Interface i lies between layers i and i + 1.
 
+use super::kernel::Spare;
 use super::leds::Led;
 pub use super::real::Real;
 
@@ -178,6 +179,8 @@ pub struct Model<T> {
     pub unit_radiance: f64,
     /// Power of all LEDs in units of `unit_radiance` times mm^2.
     pub power: f64,
+    /// Pieces that the kernels carry though the scene does not need them.
+    pub spare: Vec<Spare>,
 }
 
 impl Model<f64> {
@@ -262,6 +265,7 @@ impl Model<f64> {
             map_size: self.map_size,
             unit_radiance: self.unit_radiance,
             power: self.power,
+            spare: self.spare.clone(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! From a model to a film with its error, its ledger and what it cost.
 
 use super::backend::{Backend, BackendChoice, Precision, TraceError};
-use super::batch::{Batch, Observer, Pacer, Totals, Work};
+use super::batch::{Batch, Observer, Pacer, Times, Totals, Work};
 use super::exitance::{Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;
@@ -96,6 +96,8 @@ pub struct Outcome {
     pub spp: u64,
     /// Tracing time after compilation, seconds.
     pub seconds: f64,
+    /// Where that went; the rest is sums and the error estimate.
+    pub times: Times,
     /// Time to open the device and build kernels, seconds.
     pub setup_seconds: f64,
     /// Mean radiance of the image, W/(m^2 sr).
@@ -181,7 +183,7 @@ pub fn render(
         }
     }
     let seconds = start.elapsed().as_secs_f64();
-    let segments = batch.totals.segments;
+    let Totals { segments, times, .. } = batch.totals;
     if needs_ledger {
         batch.ledger(LEDGER_PHOTONS, &mut |_, _| observe(Stage { done: 1.0, what: "flux ledger" }))?;
     }
@@ -210,6 +212,7 @@ pub fn render(
         segments,
         spp: totals.paths / pixels,
         seconds,
+        times,
         setup_seconds,
     })
 }
@@ -231,8 +234,8 @@ impl Gather {
                 batch.contact_light(index, work, &face, &mut observe)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let smoothing = face.choose(&maps);
-        Ok(Self { texels: face.texels(&maps, smoothing).into_iter(), face, smoothing })
+        let smoothing = batch.at_map(|| face.choose(&maps));
+        Ok(Self { texels: batch.at_map(|| face.texels(&maps, smoothing)).into_iter(), face, smoothing })
     }
 
     fn replicate(
@@ -246,7 +249,7 @@ impl Gather {
             Some(texels) => texels,
             None => {
                 let light = batch.contact_light(index, work, &self.face, observe)?;
-                self.face.texels(&[light], self.smoothing).pop().unwrap_or_default()
+                batch.at_map(|| self.face.texels(&[light], self.smoothing)).pop().unwrap_or_default()
             }
         };
         batch.mapped(index, work, &texels, observe)

@@ -43,6 +43,7 @@ impl Model<f64> {
             map_size: scene.stack.footprint_mm.map(texels),
             unit_radiance: lit.unit_radiance,
             power: lit.power,
+            spare: Vec::new(),
         })
     }
 }

@@ -66,3 +66,23 @@ fn schema_is_a_json_schema() {
     let schema = json(&output);
     assert!(schema["properties"]["stack"].is_object() && schema["$schema"].is_string());
 }
+
+/// What is left out would cost time and change nothing.
+#[test]
+fn gains_name_what_is_left_out_and_leave_the_image_as_it_is() {
+    let place = Place::new();
+    for (name, pieces) in [("tsis-paper", 8), ("contact-disc", 7)] {
+        let scene = place.write("scene.toml", &small(name));
+        let output = tirtouch_in(place.path(), &["inspect", &scene, "--gains", "--rounds", "2", "--json", "--quiet"]);
+        assert_eq!(code(&output), 0, "{output:?}");
+        let seen = json(&output);
+        let gains = seen["gains"].as_array().unwrap();
+        assert_eq!(gains.len(), pieces, "{gains:?}");
+        for gain in gains {
+            assert_eq!(gain["same_image"], true, "{gain}");
+            assert!(gain["slower"].as_f64().unwrap() > 0.0 && gain["low"].as_f64() <= gain["high"].as_f64(), "{gain}");
+        }
+        assert_eq!(gains.last().unwrap()["piece"], "all of these");
+    }
+    assert!(text(&tirtouch(&["inspect", "preset:tsis-paper"]).stdout).contains("leaves out"));
+}

@@ -167,23 +167,45 @@ fn demo_replaces_its_own_folder_and_no_other() {
 #[cfg(unix)]
 #[test]
 fn a_stopped_render_leaves_nothing() {
-    use std::process::Stdio;
-    use std::time::{Duration, Instant};
     let place = Place::new();
     scene(&place, "tsis-dent");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tirtouch"));
-    command.args(["render", "scene.toml", "--spp", "100000000", "--backend", "cpu", "--quiet"]);
-    let child = command.current_dir(place.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let out = place.path().join("out");
     let entries = || std::fs::read_dir(&out).map_or(0, Iterator::count);
-    let begun = Instant::now();
     // The folder in the making is there once the signal is listened for.
-    while entries() == 0 && begun.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
+    let arguments = ["render", "scene.toml", "--spp", "100000000", "--backend", "cpu", "--quiet"];
+    let output = interrupted(&place, &arguments, &|| entries() > 0);
     assert_eq!(code(&output), 3, "{output:?}");
     assert!(one_line(&output).contains("stopped"), "{output:?}");
     assert_eq!(entries(), 0);
+}
+
+/// Ctrl-C in the middle of a ladder: what was done is kept, and the line says how to go on.
+#[cfg(unix)]
+#[test]
+fn a_stopped_ladder_keeps_its_rungs() {
+    let place = Place::new();
+    scene(&place, "flat-bonded");
+    let items = place.path().join("ladders/items");
+    let kept = || std::fs::read_dir(&items).map_or(0, Iterator::count);
+    let arguments = ["converge", "scene.toml", "--spp", "16384", "-o", "ladders", "--backend", "cpu", "--quiet"];
+    let output = interrupted(&place, &arguments, &|| items.exists());
+    assert_eq!(code(&output), 3, "{output:?}");
+    assert!(one_line(&output).contains("--resume"), "{output:?}");
+    assert!(kept() < 3);
+}
+
+/// Runs the program and stops it by Ctrl-C once `ready`.
+#[cfg(unix)]
+fn interrupted(place: &Place, arguments: &[&str], ready: &dyn Fn() -> bool) -> std::process::Output {
+    use std::process::Stdio;
+    use std::time::{Duration, Instant};
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tirtouch"));
+    command.args(arguments).current_dir(place.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = command.spawn().unwrap();
+    let begun = Instant::now();
+    while !ready() && begun.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    child.wait_with_output().unwrap()
 }

@@ -160,6 +160,44 @@ fn a_cylinder_pushed_sideways_sticks_in_the_middle_as_cattaneo_and_mindlin_say()
     }
 }
 
+/// A flat punch of radius a, pressed straight down, sticks within c; beyond, the half space slips inwards.
+///
+/// Close to nu = 1/2 shear leaves the pressure p as it is (Goodman, J. Appl. Mech. 29, 515, 1962). With the Hankel transforms P of
+/// p and Q of the shear q, nothing moves sideways where int (Q - beta P) J1(k r) dk = 0, beta = (1 - 2 nu)/(2 (1 - nu)). Take
+/// q = mu p + q* with q* within c, and the transform of q* as int_0^c phi(t) sin(k t) dt: by Abel's equation phi(t) is
+/// (beta/pi) ln((a + t)/(a - t)) - mu (2/pi) (t/a) K'(t/a) but for a factor, K' the complete elliptic integral of the complementary
+/// modulus. q is bounded where phi(c) = 0 (Spence, J. Elasticity 5, 297, 1975, has the same condition).
+#[test]
+fn a_flat_punch_pressed_down_sticks_in_its_middle() {
+    let (far, size, poisson): (f64, f64, f64) = (200.0, 0.01, 0.49);
+    let beta = (1.0 - 2.0 * poisson) / (2.0 * (1.0 - poisson));
+    for c in [0.3f64, 0.6, 0.9] {
+        // K'(c) by the arithmetic-geometric mean.
+        let (mut a, mut b) = (1.0, c);
+        for _ in 0..8 {
+            (a, b) = (0.5 * (a + b), (a * b).sqrt());
+        }
+        let friction = beta * c.atanh() / c / (0.5 * PI / a);
+        let mesh = PhantomMesh {
+            shape: PhantomShape::Cylinder { radius_mm: far, height_mm: far },
+            inclusions: Vec::new(),
+            footprint: Footprint::Round { radius_mm: 1.0 },
+            symmetry: [true, false],
+            resolution: graded(2.0 * size, 2.0 * size, 0.3 * far, 0.5, 2),
+        }
+        .build_2d()
+        .unwrap();
+        let material = Material::linear(1.0, poisson).unwrap();
+        let mut problem = rubbing(Kinematics::Axisymmetric, mesh, 1.0, Profile::Flat, material, friction);
+        problem.supports = on_a_base(&problem.mesh, far, -1e-4);
+        let solved = Solved::new(problem, &[1.0]).unwrap();
+        let points = contact_points(&solved.problem, 0, &solved.state);
+        let slips = points.iter().filter(|p| p.shear_kpa > friction * p.pressure_kpa * (1.0 - 1e-6));
+        let found = slips.map(|p| p.reference_mm[0]).fold(1.0, f64::min);
+        assert!((found - c).abs() < size, "sticks to {found}, not {c}");
+    }
+}
+
 #[test]
 fn friction_lies_between_sliding_and_the_bond() {
     let force = |grip| {

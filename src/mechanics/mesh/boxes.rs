@@ -94,7 +94,9 @@ impl Domain {
                 let least = LEAST_GAP * extent[axis][side].abs();
                 if free < least {
                     let face = self.faces[axis][side];
-                    return Err(MeshError::SticksOut { inclusion: number, face, gap_mm: free, least_mm: least });
+                    // Rounded, so that one that just touches is at 0 mm and not at -0 mm.
+                    let gap_mm = (free * 1e9).round() / 1e9 + 0.0;
+                    return Err(MeshError::SticksOut { inclusion: number, face, gap_mm, least_mm: least });
                 }
                 found.free[axis][side] = free;
             }

@@ -1,0 +1,156 @@
+//! What it gains to leave out what a scene does not need: the same image with pieces of the kernels, or stages, that it has no
+//! use for, against the image without, alternating in one run.
+
+use super::backend::TraceError;
+use super::kernel::{Kernel, ShapePiece, Spare};
+use super::model::{Camera, FieldShape, Model, Shape, Tissue};
+use super::render::{Settings, Stage, render};
+use crate::film::{Film, compare::compare};
+use crate::scene::Integrator;
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Points along each side of a height field that stays flat.
+const FLAT_POINTS: usize = 128;
+/// Chance of a false alarm in the comparison of two images.
+const LEVEL: f64 = 1e-4;
+
+/// What one piece or stage costs where nothing needs it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Gain {
+    /// The piece, or the pieces.
+    pub piece: String,
+    /// Run time with it over run time without, median of the rounds.
+    pub slower: f64,
+    /// Lower end of the 95 % interval of the mean ratio, of logarithms.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Whether the images agree.
+    pub same_image: bool,
+}
+
+/// A model with something more in it than it needs.
+struct Laden {
+    piece: String,
+    model: Model<f64>,
+    settings: Settings,
+}
+
+/// Renders `model` with and without each piece that it leaves out, `rounds` times in turn. `observe` as for [`render()`].
+pub fn gains(
+    model: &Model<f64>,
+    settings: &Settings,
+    rounds: u32,
+    observe: &mut dyn FnMut(Stage) -> bool,
+) -> Result<Vec<Gain>, TraceError> {
+    let laden = laden(model, settings);
+    let mut ratios = vec![Vec::new(); laden.len()];
+    let mut films: Vec<Option<Film>> = vec![None; laden.len()];
+    let mut plain = None;
+    let turns = f64::from(rounds) * (laden.len() + 1) as f64;
+    let mut turn = 0.0;
+    let mut one = |model: &Model<f64>, settings: &Settings| {
+        let outcome = render(model, settings, &mut |stage| {
+            observe(Stage { done: (turn + stage.done) / turns, what: "with and without" })
+        })?;
+        turn += 1.0;
+        Ok::<_, TraceError>((outcome.film, outcome.seconds))
+    };
+    for _ in 0..rounds {
+        let (film, seconds) = one(model, settings)?;
+        plain.get_or_insert(film);
+        for (k, Laden { model, settings, .. }) in laden.iter().enumerate() {
+            let (film, with) = one(model, settings)?;
+            ratios[k].push((with / seconds).ln());
+            films[k].get_or_insert(film);
+        }
+    }
+    let gain = |((laden, mut ratios), film): ((Laden, Vec<f64>), Option<Film>)| {
+        let same = film.zip(plain.as_ref()).is_some_and(|(film, plain)| {
+            film.mean == plain.mean || compare(plain, &film, LEVEL).is_ok_and(|comparison| comparison.passed)
+        });
+        let n = ratios.len() as f64;
+        let mean = ratios.iter().sum::<f64>() / n;
+        let spread = ratios.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        let quantile = StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0)).map_or(2.0, |t| t.inverse_cdf(0.975));
+        let half = quantile * (spread / n).sqrt();
+        ratios.sort_by(f64::total_cmp);
+        Gain {
+            piece: laden.piece,
+            slower: ratios.get(ratios.len() / 2).map_or(1.0, |r| r.exp()),
+            low: (mean - half).exp(),
+            high: (mean + half).exp(),
+            same_image: same,
+        }
+    };
+    Ok(laden.into_iter().zip(ratios).zip(films).map(gain).collect())
+}
+
+/// The model with each thing that it leaves out, one at a time and all together. Another seed than that of the plain image:
+/// equal noise would hide differences.
+fn laden(model: &Model<f64>, settings: &Settings) -> Vec<Laden> {
+    let kernel = Kernel::of(model);
+    let settings = Settings { seed: settings.seed.wrapping_add(1), ..settings.clone() };
+    type Load = fn(&mut Model<f64>, &mut Settings);
+    let spare: [(&str, bool, Load); 8] = [
+        ("height fields", kernel.shape == ShapePiece::Plane, |m, _| flat_fields(m)),
+        ("search on both faces of a layer", kernel.deformed() && !kernel.deformed_pairs, |m, _| {
+            m.spare.push(Spare::DeformedPairs);
+        }),
+        ("absorption", !kernel.absorbing, |m, _| m.spare.push(Spare::Absorption)),
+        ("roughness", !kernel.rough, |m, _| m.spare.push(Spare::Roughness)),
+        ("tabulated LED patterns", !kernel.led_tables, |m, _| m.spare.push(Spare::LedTables)),
+        ("cosine-power LED patterns", !kernel.cosine_power, |m, _| m.spare.push(Spare::CosinePower)),
+        ("thin lens", !kernel.lens, |m, _| {
+            m.camera = Camera { focus: m.camera.distance, ..m.camera };
+            m.spare.push(Spare::Lens);
+        }),
+        ("tissue contact, photons and their map", !kernel.touched, |m, s| {
+            m.tissue = Some(out_of_reach(m.surround_n));
+            s.integrator = Integrator::Map;
+        }),
+    ];
+    let left_out: Vec<_> = spare.into_iter().filter(|(_, left_out, _)| *left_out).collect();
+    let with = |loads: &[(&str, bool, Load)], piece: String| {
+        let (mut model, mut settings) = (model.clone(), settings.clone());
+        loads.iter().for_each(|(_, _, load)| load(&mut model, &mut settings));
+        Laden { piece, model, settings }
+    };
+    let mut laden: Vec<Laden> = left_out.chunks(1).map(|one| with(one, one[0].0.to_owned())).collect();
+    if laden.len() > 1 {
+        laden.push(with(&left_out, "all of these".to_owned()));
+    }
+    laden
+}
+
+/// Height fields without a relief on every interface above the lowest layer.
+fn flat_fields(model: &mut Model<f64>) {
+    for face in model.faces.iter_mut().skip(2) {
+        (face.share, face.low, face.high) = (1.0, -1e-3, 1e-3);
+    }
+    let cells = (FLAT_POINTS - 1) as f64;
+    model.shape = Shape::Field(FieldShape {
+        size: [FLAT_POINTS; 2],
+        per_mm: model.half_size.map(|half| cells / (2.0 * half)),
+        control: vec![vec![0.0; (FLAT_POINTS + 2) * (FLAT_POINTS + 2)]],
+    });
+}
+
+/// Tissue that no path meets.
+fn out_of_reach(n: f64) -> Tissue<f64> {
+    Tissue {
+        n,
+        albedo: 0.0,
+        spread_d: 0.0,
+        center: [0.0; 2],
+        radius_sq: -1.0,
+        share: 0.0,
+        grid_size: [0; 2],
+        grid: Vec::new(),
+        dn_sq: 0.0,
+        gap_dn_sq: 0.0,
+        reentry_contact: 0.0,
+        reentry_gap: 0.0,
+    }
+}
