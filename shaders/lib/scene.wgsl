@@ -31,6 +31,8 @@ struct Scene {
     focus_distance: f32,
     tissue_dn_sq: f32,       // n_tissue^2 - n_top^2
     gap_dn_sq: f32,          // n_surround^2 - n_top^2
+    field_zone_sq: f32,      // within this radius height fields bend otherwise than beyond
+    pad: u32,
 }
 
 struct Run {

@@ -1,6 +1,7 @@
 // Smooth height fields: bicubic B-splines over the footprint, one per deformed interface.
 // Four control points of a row lie in one vec4. Intersection by safe Newton: with |G''| <= K along the ray the step
-// below never passes the first root. Heights are relative to the undeformed plane.
+// below never passes the first root. K has two values, within a radius about the middle and beyond; no step passes from one to
+// the other. Heights are relative to the undeformed plane.
 
 @group(0) @binding(8) var<storage, read> field: array<vec4f>;
 
@@ -44,9 +45,19 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
     let outside = (near - zeta) * side > 0.0;
     var t = select(0.0, (near - zeta) / p.z, outside);
     if (outside && p.z * side <= 0.0) { return FAR; }
-    let k = max(face_curvature(i) * dot(p.xy, p.xy), 1e-12);
+    // Where along the ray the zone lies in which the field bends otherwise.
+    let across = dot(p.xy, p.xy);
+    let half = dot(o.xy, p.xy);
+    let root_sq = half * half - across * (dot(o.xy, o.xy) - scene.field_zone_sq);
+    let crosses = root_sq > 0.0 && across > 0.0;
+    let zone_root = sqrt(max(root_sq, 0.0));
+    let enters = select(FAR, (-half - zone_root) / across, crosses);
+    let leaves = select(FAR, (-half + zone_root) / across, crosses);
     for (var n = 0u; n < 1024u; n += 1u) {
         if (t >= t_max) { return FAR; }
+        let within = t >= enters && t < leaves;
+        let k = max(select(face_curvature_beyond(i), face_curvature_within(i), within) * across, 1e-12);
+        let border = select(select(FAR, enters, t < enters), leaves, within);
         let h = field_at(i, o.xy + t * p.xy);
         let g = max(side * (h.x - (zeta + t * p.z)), 0.0);
         let slope = side * (h.y * p.x + h.z * p.y - p.z);
@@ -61,7 +72,7 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
             field_slope = h.yz;
             return t + step;
         }
-        t += max(step, 1e-7);
+        t = min(t + max(step, 1e-7), border);
         let z = zeta + t * p.z;
         if ((near - z) * side > 0.0 && p.z * side <= 0.0) { return FAR; }
     }

@@ -16,6 +16,17 @@ pub struct HeightField {
     pub control: Vec<f64>,
 }
 
+/// How strongly a cell of a height field bends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bend {
+    /// Distance of its nearest point to the middle of the footprint, mm.
+    pub nearest_mm: f64,
+    /// Distance of its farthest point, mm.
+    pub farthest_mm: f64,
+    /// Bound on the second derivative along any unit direction, per mm.
+    pub bound: f64,
+}
+
 impl HeightField {
     /// Interpolates `samples` (row-major, row 0 at negative y, mm) over a footprint of the given size.
     ///
@@ -69,16 +80,16 @@ impl HeightField {
         [fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max)]
     }
 
-    /// Proven bound on the second derivative along any unit direction, per mm.
+    /// Proven bounds on the second derivative along any unit direction, cell by cell.
     ///
     /// In a cell the second derivatives are convex combinations of second differences of its 4 x 4 control points; the
     /// bound is the largest norm of such a Hessian.
-    pub fn curvature_bound(&self) -> f64 {
+    pub fn bends(&self) -> Vec<Bend> {
         let width = self.columns + 2;
         let at = |x: usize, y: usize| self.control[y * width + x];
         let [sx, sy] = self.per_mm;
         let largest = |differences: &mut dyn Iterator<Item = f64>| differences.map(f64::abs).fold(0.0, f64::max);
-        let cell = |x: usize, y: usize| {
+        let bound = |x: usize, y: usize| {
             let xx = largest(&mut (0..8).map(|k| {
                 let (i, j) = (x + k % 2, y + k / 2);
                 (at(i, j) - 2.0 * at(i + 1, j) + at(i + 2, j)) * sx * sx
@@ -94,8 +105,18 @@ impl HeightField {
             // Largest eigenvalue of [[xx, xy], [xy, yy]].
             0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy)
         };
+        // Distance of a cell along one direction: from the middle of the footprint to its nearer and its farther side.
+        let reach = |k: usize, samples: usize, per_mm: f64| {
+            let middle = (k as f64 + 0.5 - 0.5 * (samples - 1) as f64).abs();
+            [(middle - 0.5).max(0.0) / per_mm, (middle + 0.5) / per_mm]
+        };
         let cells = (0..self.columns - 1).flat_map(|x| (0..self.rows - 1).map(move |y| (x, y)));
-        cells.map(|(x, y)| cell(x, y)).fold(0.0, f64::max)
+        let bend = |(x, y)| {
+            let (across, along) = (reach(x, self.columns, sx), reach(y, self.rows, sy));
+            let [nearest_mm, farthest_mm] = [0, 1].map(|k| across[k].hypot(along[k]));
+            Bend { nearest_mm, farthest_mm, bound: bound(x, y) }
+        };
+        cells.map(bend).collect()
     }
 
     /// Displacement and its gradient at a point of the footprint (centre at the origin). mm and mm/mm.
@@ -188,7 +209,7 @@ mod tests {
     #[test]
     fn second_derivative_never_exceeds_its_bound() {
         let field = HeightField::sample(65, [30.0, 30.0], bump).unwrap();
-        let bound = field.curvature_bound();
+        let bound = field.bends().iter().map(|bend| bend.bound).fold(0.0, f64::max);
         let mut largest = 0.0f64;
         for k in 0..4000 {
             let (x, y) = (0.0173 * k as f64 % 24.0 - 12.0, 0.0531 * k as f64 % 24.0 - 12.0);

@@ -10,6 +10,7 @@ pub mod contact;
 pub mod height_field;
 pub mod mesh;
 pub mod pressed;
+pub mod zones;
 
 pub use build::{SurfaceError, surface};
 pub use cap::Cap;

@@ -134,6 +134,7 @@ fn flat_fields(model: &mut Model<f64>) {
         size: [FLAT_POINTS; 2],
         per_mm: model.half_size.map(|half| cells / (2.0 * half)),
         control: vec![vec![0.0; (FLAT_POINTS + 2) * (FLAT_POINTS + 2)]],
+        zone_sq: 0.0,
     });
 }
 

@@ -40,8 +40,8 @@ pub struct Face<T> {
     pub share: T,
     /// Square of the index above minus that below.
     pub dn_sq: T,
-    /// Bound on the second derivative of its height field, per mm.
-    pub curvature: T,
+    /// Bounds on the second derivative of its height field within the field's zone and beyond, per mm.
+    pub curvature: [T; 2],
     /// Lowest displacement, mm.
     pub low: T,
     /// Highest displacement, mm.
@@ -91,6 +91,8 @@ pub struct FieldShape<T> {
     pub per_mm: [T; 2],
     /// Control points of each field, (rows + 2) x (columns + 2), mm.
     pub control: Vec<Vec<T>>,
+    /// Square of the radius of the zone within which the first bound on the second derivative holds, mm^2.
+    pub zone_sq: T,
 }
 
 /// Triangles and their tree.
@@ -211,7 +213,7 @@ impl Model<f64> {
                     z: of(f.z),
                     share: of(f.share),
                     dn_sq: of(f.dn_sq),
-                    curvature: of(f.curvature),
+                    curvature: pair(f.curvature),
                     low: of(f.low),
                     high: of(f.high),
                     field: f.field,
@@ -232,6 +234,7 @@ impl Model<f64> {
                     size: f.size,
                     per_mm: pair(f.per_mm),
                     control: f.control.iter().map(|c| c.iter().map(|&v| of(v)).collect()).collect(),
+                    zone_sq: of(f.zone_sq),
                 }),
                 Shape::Mesh(m) => Shape::Mesh(MeshShape {
                     corners: m.corners.iter().map(triple).collect(),

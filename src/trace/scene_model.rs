@@ -4,6 +4,7 @@ use super::leds;
 use super::model::{Camera, CapShape, Face, FieldShape, Layer, MeshShape, Model, Shape, Tissue, Walls};
 use crate::optics::{fresnel, tissue};
 use crate::scene::{self, LoadedScene, Roughness};
+use crate::surface::zones::Zones;
 use crate::surface::{ContactMap, Surface, SurfaceError};
 use std::f64::consts::PI;
 
@@ -14,8 +15,12 @@ impl Model<f64> {
         let n_0 = scene.stack.surround_n;
         let layers = layers(scene);
         let heights = scene.stack.interface_heights_mm();
-        let (shape, shares) = shape(surface, heights.len());
-        let faces = faces(scene, surface, &layers, &heights, &shares);
+        let zones = match surface {
+            Surface::Fields(fields) => Zones::of(&fields.iter().flatten().collect::<Vec<_>>()),
+            _ => Zones::default(),
+        };
+        let (shape, shares) = shape(surface, heights.len(), &zones);
+        let faces = faces(scene, surface, &layers, &heights, &shares, &zones);
         let lit = leds::leds(loaded)?;
         let n_top = layers[layers.len() - 2].n;
         let tissue = match (&scene.touch.contact, contact) {
@@ -58,7 +63,7 @@ fn layers(scene: &scene::Scene) -> Vec<Layer<f64>> {
         .collect()
 }
 
-fn shape(surface: &Surface, interfaces: usize) -> (Shape<f64>, Vec<f64>) {
+fn shape(surface: &Surface, interfaces: usize, zones: &Zones) -> (Shape<f64>, Vec<f64>) {
     let mut shares = vec![0.0; interfaces];
     let shape = match surface {
         Surface::Flat => Shape::Plane,
@@ -81,7 +86,7 @@ fn shape(surface: &Surface, interfaces: usize) -> (Shape<f64>, Vec<f64>) {
                     control.push(f.control.clone());
                 }
             }
-            Shape::Field(FieldShape { size, per_mm, control })
+            Shape::Field(FieldShape { size, per_mm, control, zone_sq: zones.radius_mm * zones.radius_mm })
         }
         Surface::Mesh(mesh) => {
             if let Some(last) = shares.last_mut() {
@@ -103,6 +108,7 @@ fn faces(
     layers: &[Layer<f64>],
     heights: &[f64],
     shares: &[f64],
+    zones: &Zones,
 ) -> Vec<Face<f64>> {
     let roughness =
         std::iter::once(&scene.stack.lower_roughness).chain(scene.stack.layer.iter().rev().map(|l| &l.upper_roughness));
@@ -126,7 +132,7 @@ fn faces(
                 z,
                 share,
                 dn_sq: (n_above - n_below) * (n_above + n_below),
-                curvature: 0.0,
+                curvature: [0.0; 2],
                 low: 0.0,
                 high: 0.0,
                 field: 0,
@@ -140,7 +146,7 @@ fn faces(
                         let [low, high] = f.range_mm();
                         // A thousandth beyond, so that the slab holds the surface in f32 too.
                         (face.low, face.high) = (low - 1e-3, high + 1e-3);
-                        face.curvature = f.curvature_bound();
+                        face.curvature = zones.bounds.get(field).copied().unwrap_or_default();
                         face.field = field;
                         field += 1;
                     }

@@ -131,11 +131,28 @@ impl<T: Real> Path<'_, T> {
             return far();
         }
         let mut t = if outside { (near - zeta) / p.z } else { zero };
-        let k = (face.curvature * (p.x * p.x + p.y * p.y)).max(c(1e-12));
+        // Where along the ray the zone lies in which the field bends otherwise.
+        let across = p.x * p.x + p.y * p.y;
+        let half = o.x * p.x + o.y * p.y;
+        let root_sq = half * half - across * (o.x * o.x + o.y * o.y - field.zone_sq);
+        let crosses = root_sq > zero && across > zero;
+        let root = root_sq.max(zero).sqrt();
+        let (enters, leaves) =
+            if crosses { ((-half - root) / across, (-half + root) / across) } else { (far(), far()) };
         for n in 0..1024 {
             if t >= t_max {
                 return far();
             }
+            let within = t >= enters && t < leaves;
+            let bend = face.curvature[usize::from(!within)];
+            let k = (bend * across).max(c(1e-12));
+            let border = if within {
+                leaves
+            } else if t < enters {
+                enters
+            } else {
+                far()
+            };
             let h = self.field_at(field, i, o.x + t * p.x, o.y + t * p.y);
             let g = (side * (h[0] - (zeta + t * p.z))).max(zero);
             let slope = side * (h[1] * p.x + h[2] * p.y - p.z);
@@ -150,7 +167,7 @@ impl<T: Real> Path<'_, T> {
                 self.field_slope = [h[1], h[2]];
                 return t + step;
             }
-            t = t + step.max(c(1e-7));
+            t = (t + step.max(c(1e-7))).min(border);
             let z = zeta + t * p.z;
             if (near - z) * side > zero && p.z * side <= zero {
                 return far();

@@ -36,6 +36,7 @@ uniform! {
         field_size: [u32; 2], field_scale: [f32; 2],
         image_size: [u32; 2], pixel_tan: f32, camera_distance: f32,
         lens_radius: f32, focus_distance: f32, tissue_dn_sq: f32, gap_dn_sq: f32,
+        field_zone_sq: f32, pad: u32,
     }
 }
 
@@ -87,7 +88,9 @@ pub fn scene(m: &Model<f32>) -> Scene {
             (out.ball_radius, out.cap_depth) = (c.ball, c.depth);
             (out.cap_center, out.cap_rim_sq) = (c.center, c.rim_sq);
         }
-        Shape::Field(f) => (out.field_size, out.field_scale) = (size(f.size), f.per_mm),
+        Shape::Field(f) => {
+            (out.field_size, out.field_scale, out.field_zone_sq) = (size(f.size), f.per_mm, f.zone_sq);
+        }
         Shape::Plane | Shape::Mesh(_) => {}
     }
     out
