@@ -56,6 +56,14 @@ pub struct Times {
     pub camera: f64,
 }
 
+impl Times {
+    /// Both together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self { photons: self.photons + other.photons, map: self.map + other.map, camera: self.camera + other.camera }
+    }
+}
+
 impl Totals {
     /// The ledger as shares of the emitted power.
     pub fn ledger(&self) -> Ledger {

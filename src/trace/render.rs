@@ -16,6 +16,11 @@ pub const REPLICATES: u32 = 16;
 const REPLICATE_PATHS: u32 = 1 << 15;
 /// Photons of the ledger where the method sends none of its own.
 const LEDGER_PHOTONS: u64 = 1 << 20;
+/// Most camera paths per pixel for an asked error.
+const MOST_SPP: u32 = 1 << 24;
+/// What is taken above the work that an error found asks for, and the most at once: a first error may be a poor guess.
+const SAFETY: f64 = 1.15;
+const MOST_SCALE: f64 = 256.0;
 /// Share of the photons in the time of a replicate, for the progress alone.
 const PHOTON_SHARE: f64 = 0.5;
 /// Largest share of photons that may get lost.
@@ -107,7 +112,36 @@ pub struct Outcome {
 }
 
 /// Renders a model. `observe` is called between chunks; false stops the work.
+///
+/// For an asked error it renders with the least work first, and from what that leaves anew with as much as it takes: the smoothing
+/// of a map is then chosen for the noise of the whole, and its bias shrinks with it.
 pub fn render(
+    model: &Model<f64>,
+    settings: &Settings,
+    observe: &mut dyn FnMut(Stage) -> bool,
+) -> Result<Outcome, TraceError> {
+    let Some(target) = settings.target_error else {
+        return once(model, settings, observe);
+    };
+    let mut spp = REPLICATES;
+    let (mut seconds, mut setup_seconds, mut times) = (0.0, 0.0, Times::default());
+    loop {
+        let outcome = once(model, &Settings { spp, ..settings.clone() }, observe)?;
+        seconds += outcome.seconds;
+        setup_seconds += outcome.setup_seconds;
+        times = times.and(outcome.times);
+        // A dark image has no relative error, and no work gives it one.
+        let missed = outcome.relative_error.filter(|&error| error > target && spp < MOST_SPP);
+        let Some(error) = missed else {
+            return Ok(Outcome { seconds, setup_seconds, times, ..outcome });
+        };
+        let scale = (SAFETY * (error / target).powi(2)).clamp(SAFETY, MOST_SCALE);
+        spp = (f64::from(spp) * scale).ceil().min(f64::from(MOST_SPP)) as u32;
+    }
+}
+
+/// Renders with the work of the settings, or for their seconds.
+fn once(
     model: &Model<f64>,
     settings: &Settings,
     observe: &mut dyn FnMut(Stage) -> bool,
@@ -154,7 +188,6 @@ pub fn render(
         Method::Path | Method::Splat => None,
     };
     let before = if gather.is_some() { PHOTON_SHARE } else { 0.0 };
-    let limit = settings.target_error.map_or(replicates, |_| 1 << 16);
     let mut index = 0;
     let mut longest = 0.0f64;
     loop {
@@ -173,12 +206,11 @@ pub fn render(
         sum.add(&replicate).map_err(|e| TraceError::Driver(e.to_string()))?;
         index += 1;
         longest = longest.max(timer.elapsed().as_secs_f64());
-        let enough = match (settings.seconds, settings.target_error) {
-            (Some(budget), _) => index >= 2 && start.elapsed().as_secs_f64() + longest > budget,
-            (None, Some(target)) => index >= REPLICATES && relative_error(&sum.finish()).is_none_or(|e| e <= target),
-            (None, None) => index >= replicates,
+        let enough = match settings.seconds {
+            Some(budget) => index >= 2 && start.elapsed().as_secs_f64() + longest > budget,
+            None => index >= replicates,
         };
-        if enough || index >= limit && settings.seconds.is_none() {
+        if enough {
             break;
         }
     }

@@ -163,6 +163,21 @@ fn demo_replaces_its_own_folder_and_no_other() {
     assert!(std::fs::read(out.join("report.html")).unwrap().len() > 10_000);
 }
 
+/// An asked error is reached, and by no more than a factor of 1.5 where the least work does not do better already.
+#[test]
+fn an_asked_error_is_reached_and_not_far_below() {
+    let place = Place::new();
+    for (name, asked) in [("flat-bonded", "0.1"), ("contact-disc", "0.05")] {
+        scene(&place, name);
+        let flags = ["render", "scene.toml", "--target-error", asked, "--force", "--json", "--quiet"];
+        let output = tirtouch_in(place.path(), &flags);
+        assert_eq!(code(&output), 0, "{output:?}");
+        let said = json(&output);
+        let (found, asked) = (said["relative_error"].as_f64().unwrap(), asked.parse::<f64>().unwrap());
+        assert!(found <= asked && found > asked / 1.5, "{name}: {found} for {asked}");
+    }
+}
+
 /// Ctrl-C in the middle: exit code 3, one line, and nothing is left.
 #[cfg(unix)]
 #[test]
