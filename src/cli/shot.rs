@@ -23,7 +23,7 @@ pub(super) struct Shot<'a> {
     pub frame: Frame,
     pub mm_per_pixel: f64,
     pub seed: u32,
-    /// Time to draw and write its files so far, seconds.
+    /// Time to draw and write its files, seconds; 0 before.
     files_seconds: Cell<f64>,
 }
 
@@ -181,7 +181,7 @@ impl<'a> Shot<'a> {
     fn stages(&self) -> Value {
         let outcome = &self.outcome;
         let press = self.job.pressed().map_or(0.0, |(pressed, _)| pressed.seconds + pressed.error_seconds);
-        let Times { photons, map, camera } = outcome.times;
+        let Times { photons, map, camera, ledger } = outcome.times;
         json!({
             "mechanics": press,
             "surface": self.job.surface_seconds,
@@ -189,6 +189,7 @@ impl<'a> Shot<'a> {
             "photons": photons,
             "map": map,
             "camera": camera,
+            "ledger": ledger,
             "sums": outcome.seconds - photons - map - camera,
             "files": self.files_seconds.get(),
         })

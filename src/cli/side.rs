@@ -71,17 +71,19 @@ fn view_edge(job: &Job, half_width_mm: f64) -> Result<Vec<[f64; 2]>, Failure> {
     Ok(edge)
 }
 
-/// Stretches of x with at least half of the greatest share of true contact.
+/// Stretches of x with at least half of the median share of true contact. (The greatest is often that of a sharp edge.)
 fn contact_stretches(profile: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let most = profile.iter().map(|p| p[1]).fold(0.0, f64::max);
-    let touched = |p: &[f64; 2]| most > 0.0 && p[1] >= 0.5 * most;
+    let mut shares: Vec<f64> = profile.iter().map(|p| p[1]).filter(|&share| share > 0.0).collect();
+    shares.sort_by(f64::total_cmp);
+    let median = shares.get(shares.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let touched = |p: &[f64; 2]| p[1] >= 0.5 * median;
     let stretches = profile.chunk_by(|a, b| touched(a) == touched(b)).filter(|run| run.first().is_some_and(touched));
     stretches.filter_map(|run| Some([run.first()?[0], run.last()?[0]])).filter(|[from, to]| to > from).collect()
 }
 
 fn subtitle(job: &Job) -> String {
     let grid = job.contact.as_ref().is_some_and(|contact| contact.columns > 0);
-    let tissue = if grid { " · tissue where its true contact is at least half of the greatest" } else { "" };
+    let tissue = if grid { " · tissue where its true contact is at least half of the median" } else { "" };
     format!("section y = 0 · rays picked to show what becomes of light{tissue}")
 }
 

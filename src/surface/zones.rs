@@ -1,6 +1,6 @@
 //! Where height fields bend little, and where much.
 //!
-//! A search along a ray steps as far as a bound on the bending allows. A pressed sensor bends a thousand times more at its rim than
+//! A search along a ray steps as far as a bound on the bending allows. A pressed sensor bends thousands of times more at its rim than
 //! within; a dent bends within its rim and not beyond. So there are two bounds, within a radius about the middle of the footprint and
 //! beyond it.
 
@@ -53,7 +53,7 @@ impl Zones {
                 .sum::<f64>()
         };
         let trials = (1..RADII).map(zones).map(|zones| (steps(&zones), zones));
-        trials.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(|| zones(RADII), |(_, best)| best)
+        trials.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, best)| best).unwrap_or_default()
     }
 }
 

@@ -54,13 +54,20 @@ pub struct Times {
     pub map: f64,
     /// Camera paths.
     pub camera: f64,
+    /// Photons of the ledger, where the method sends none of its own.
+    pub ledger: f64,
 }
 
 impl Times {
     /// Both together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
-        Self { photons: self.photons + other.photons, map: self.map + other.map, camera: self.camera + other.camera }
+        Self {
+            photons: self.photons + other.photons,
+            map: self.map + other.map,
+            camera: self.camera + other.camera,
+            ledger: self.ledger + other.ledger,
+        }
     }
 }
 

@@ -44,6 +44,9 @@ pub fn gains(
     rounds: u32,
     observe: &mut dyn FnMut(Stage) -> bool,
 ) -> Result<Vec<Gain>, TraceError> {
+    // Connections to the pinhole need flat, smooth stacks; what is loaded on may be neither.
+    let integrator = if settings.integrator == Integrator::Splat { Integrator::Auto } else { settings.integrator };
+    let settings = &Settings { integrator, ..settings.clone() };
     let laden = laden(model, settings);
     let mut ratios = vec![Vec::new(); laden.len()];
     let mut films: Vec<Option<Film>> = vec![None; laden.len()];
@@ -124,9 +127,10 @@ fn laden(model: &Model<f64>, settings: &Settings) -> Vec<Laden> {
     laden
 }
 
-/// Height fields without a relief on every interface above the lowest layer.
+/// Height fields without a relief on the touched face and on every other above the rigid layer.
 fn flat_fields(model: &mut Model<f64>) {
-    for face in model.faces.iter_mut().skip(2) {
+    let first = 2.min(model.faces.len() - 1);
+    for face in model.faces.iter_mut().skip(first) {
         (face.share, face.low, face.high) = (1.0, -1e-3, 1e-3);
     }
     let cells = (FLAT_POINTS - 1) as f64;

@@ -44,7 +44,8 @@ pub enum ShapePiece {
     Mesh,
 }
 
-/// A piece that a kernel can carry without a use for it. The image is the same, the time is not.
+/// A piece that a kernel can carry without a use for it. The image is the same, the time is not (on a GPU; the twin in Rust branches
+/// on few of them).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Spare {
     /// A search on both faces of a layer.

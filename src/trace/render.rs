@@ -10,7 +10,7 @@ use crate::film::{BlockAccumulator, Film, Ledger};
 use crate::scene::{self, Integrator};
 use std::time::Instant;
 
-/// Fewest replicates behind an error estimate.
+/// Fewest replicates behind an error estimate, but where a budget of seconds ends before.
 pub const REPLICATES: u32 = 16;
 /// Most camera paths per pixel in a replicate: the film's sums hold 65,536 paths that each see the brightest LED.
 const REPLICATE_PATHS: u32 = 1 << 15;
@@ -39,7 +39,7 @@ pub struct Settings {
     pub photons: Option<u64>,
     /// Budget of tracing time after compilation, seconds; replaces `spp`.
     pub seconds: Option<f64>,
-    /// Relative error to reach; replaces `spp`.
+    /// Relative error to reach; replaces `spp` and `photons`.
     pub target_error: Option<f64>,
     /// Seed.
     pub seed: u32,
@@ -68,7 +68,7 @@ impl Settings {
 /// Where a render stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stage {
-    /// Share of the work done, 0 to 1.
+    /// Share of the work done, 0 to 1; of each rendering by itself for an asked error.
     pub done: f64,
     /// What is being done.
     pub what: &'static str,
@@ -101,7 +101,7 @@ pub struct Outcome {
     pub spp: u64,
     /// Tracing time after compilation, seconds.
     pub seconds: f64,
-    /// Where that went; the rest is sums and the error estimate.
+    /// Where that went, and the time of the ledger beside it; the rest is sums and the error estimate.
     pub times: Times,
     /// Time to open the device and build kernels, seconds.
     pub setup_seconds: f64,
@@ -124,19 +124,26 @@ pub fn render(
         return once(model, settings, observe);
     };
     let mut spp = REPLICATES;
-    let (mut seconds, mut setup_seconds, mut times) = (0.0, 0.0, Times::default());
+    let (mut seconds, mut setup_seconds, mut segments, mut times) = (0.0, 0.0, 0, Times::default());
     loop {
-        let outcome = once(model, &Settings { spp, ..settings.clone() }, observe)?;
+        let outcome = once(model, &Settings { spp, photons: None, ..settings.clone() }, observe)?;
         seconds += outcome.seconds;
         setup_seconds += outcome.setup_seconds;
+        segments += outcome.segments;
         times = times.and(outcome.times);
-        // A dark image has no relative error, and no work gives it one.
-        let missed = outcome.relative_error.filter(|&error| error > target && spp < MOST_SPP);
-        let Some(error) = missed else {
-            return Ok(Outcome { seconds, setup_seconds, times, ..outcome });
+        let more = match outcome.relative_error {
+            Some(error) if error > target => {
+                let scale = (SAFETY * (error / target).powi(2)).clamp(SAFETY, MOST_SCALE);
+                (f64::from(spp) * scale).ceil().min(f64::from(MOST_SPP)) as u32
+            }
+            Some(_) => spp,
+            // Dark, perhaps by chance: not more than the scene asks for is spent on it.
+            None => spp.max(settings.spp),
         };
-        let scale = (SAFETY * (error / target).powi(2)).clamp(SAFETY, MOST_SCALE);
-        spp = (f64::from(spp) * scale).ceil().min(f64::from(MOST_SPP)) as u32;
+        if more <= spp {
+            return Ok(Outcome { seconds, setup_seconds, segments, times, ..outcome });
+        }
+        spp = more;
     }
 }
 
@@ -174,7 +181,7 @@ fn once(
     if let Some(budget) = settings.seconds {
         let timer = Instant::now();
         batch.replicate(u32::MAX, pilot, &mut |_, _| observe(Stage { done: 0.0, what: "measuring the machine" }))?;
-        batch.totals = Totals::default();
+        batch.totals = Totals { times: batch.totals.times, ..Totals::default() };
         let scale = (budget / timer.elapsed().as_secs_f64() / f64::from(REPLICATES) / 1.5)
             .clamp(1.0, f64::from(REPLICATE_PATHS));
         work = Work { spp: scale as u32, photons: (pilot.photons as f64 * scale) as u64 };
@@ -215,9 +222,11 @@ fn once(
         }
     }
     let seconds = start.elapsed().as_secs_f64();
-    let Totals { segments, times, .. } = batch.totals;
+    let Totals { segments, mut times, .. } = batch.totals;
     if needs_ledger {
+        let start = Instant::now();
         batch.ledger(LEDGER_PHOTONS, &mut |_, _| observe(Stage { done: 1.0, what: "flux ledger" }))?;
+        times.ledger = start.elapsed().as_secs_f64();
     }
     let totals = batch.totals;
     let ledger = totals.ledger();
@@ -259,7 +268,8 @@ struct Gather {
 impl Gather {
     /// Sends the photons of the first replicates and chooses the smoothing from what they leave.
     fn collect(batch: &mut Batch, work: Work, observe: &mut dyn FnMut(f64) -> bool) -> Result<Self, TraceError> {
-        let face = TouchedFace::new(batch.model);
+        let model = batch.model;
+        let face = batch.at_map(|| TouchedFace::new(model));
         let maps = (0..REPLICATES)
             .map(|index| {
                 let mut observe = |part, _: &str| observe((f64::from(index) + part) / f64::from(REPLICATES));

@@ -163,7 +163,7 @@ fn demo_replaces_its_own_folder_and_no_other() {
     assert!(std::fs::read(out.join("report.html")).unwrap().len() > 10_000);
 }
 
-/// An asked error is reached, and by no more than a factor of 1.5 where the least work does not do better already.
+/// An asked error below that of the least work is reached, and missed from below by less than a factor of 1.5.
 #[test]
 fn an_asked_error_is_reached_and_not_far_below() {
     let place = Place::new();

@@ -146,6 +146,7 @@ fn a_cylinder_pushed_sideways_sticks_in_the_middle_as_cattaneo_and_mindlin_say()
         assert!(0.1 < left && left < 0.9, "{left}");
         let stuck = rows.iter().filter(|row| row.along[0] < friction * row.pressure * (1.0 - 1e-9));
         let found = 0.5 * stuck.map(|row| row.area).sum::<f64>();
+        // Nodes are half an element apart, and the first that slips is at most one beyond c.
         assert!((found - c).abs() < size, "sticks to {found}, not {c} of {a}");
         let circle = |x: f64, edge: f64| (1.0 - (x / edge).powi(2)).max(0.0).sqrt();
         let mut sums = [0.0; 2];
@@ -194,6 +195,7 @@ fn a_flat_punch_pressed_down_sticks_in_its_middle() {
         let points = contact_points(&solved.problem, 0, &solved.state);
         let slips = points.iter().filter(|p| p.shear_kpa > friction * p.pressure_kpa * (1.0 - 1e-6));
         let found = slips.map(|p| p.reference_mm[0]).fold(1.0, f64::min);
+        // Nodes are half an element apart, and the first that slips is at most one beyond c.
         assert!((found - c).abs() < size, "sticks to {found}, not {c}");
     }
 }
