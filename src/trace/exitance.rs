@@ -146,7 +146,7 @@ impl TouchedFace {
 ///
 /// T_d e - T_v e is what a width d of about 2 v adds to the bias of v. Its square is measured by products of different parts,
 /// which have no noise in common, and is known to about the error of that measure. While both together are below
-/// [`MOST_ADDED`] times the variance of T_d, v is taken: its bias is 3 to 20 times smaller than what d adds, its noise twice d's.
+/// [`MOST_ADDED`] times the variance of T_d, v is taken: its bias is 3 to 35 times smaller than what d adds, its noise twice d's.
 /// Nothing is extrapolated below v: where d is so wide that its bias no longer grows as a power, that would promise too much.
 fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
     let mut chosen = (1, 0.0);
