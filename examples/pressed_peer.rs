@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use tirtouch::mechanics::from_scene::press_setup;
 use tirtouch::mechanics::press::{PressSettings, press};
 use tirtouch::scene::load;
-use tirtouch::surface::{Surface, pressed_contact, pressed_surface};
+use tirtouch::surface::{pressed_contact, pressed_surface};
 use tirtouch::trace::Model;
 use tirtouch::trace::cpu::{Limits, Path};
 
@@ -28,13 +28,12 @@ fn main() -> Result<()> {
     let pressed = press(&press_setup(&loaded)?, settings, &mut |_| true)?;
     let step = pressed.steps.last().context("no depth was reached")?;
     let surface = pressed_surface(&loaded, &pressed, step)?;
-    let Surface::Fields(fields) = &surface else { anyhow::bail!("the sensor does not deform") };
     let model = Model::new(&loaded, &surface, pressed_contact(&loaded, &pressed, step))?;
     let path = Path::new(&model, Limits::default());
 
     let mut out: Vec<f64> = Vec::new();
-    for (face, field) in model.faces.iter().zip(fields) {
-        let at = |[x, y]: [f64; 2]| field.as_ref().map_or([0.0; 3], |field| field.at(x, y));
+    for (i, face) in model.faces.iter().enumerate() {
+        let at = |[x, y]: [f64; 2]| surface.relief(i).map_or([0.0; 3], |relief| relief.at(x, y));
         out.extend(points().map(at).flat_map(|[height, along, across]| [face.z + height, along, across]));
     }
     out.extend(points().map(|[x, y]| path.contact_share(x, y)));

@@ -35,11 +35,23 @@ fn enters_lens() -> bool {
 fn photons(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= run.count) { return; }
     for (var b = 0u; b < 10u; b += 1u) { tally[b] = 0; }
-    for (var s = 0u; s < run.samples; s += 1u) {
-        start_random(run.first + id.x, run.first_sample + s);
-        record_start(id.x * run.samples + s);
-        var end = launch();
-        book(BOOK_EMITTED, i32(UNIT));
+    var s = 0u;
+    loop {
+        // On to the next photon that is not astray from the start.
+        var end = END_ASTRAY;
+        loop {
+            if (end != END_ASTRAY || s >= run.samples) { break; }
+            start_random(run.first + id.x, run.first_sample + s);
+            record_start(id.x * run.samples + s);
+            end = launch();
+            book(BOOK_EMITTED, i32(UNIT));
+            s += 1u;
+            if (AIMED && end == GOES_ON && astray()) {
+                end = END_ASTRAY;
+                record_end(end);
+            }
+        }
+        if (end == END_ASTRAY) { break; }
         loop {
             if (end != GOES_ON) { break; }
             end = walk();

@@ -1,19 +1,13 @@
-// LEDs: discs at the side walls. `along` runs with y on the x walls and with x on the y walls.
-
-struct Led {
-    wall: u32,
-    air: u32,            // 1: in the surround before a clear wall; 0: bonded
-    along: f32,
-    height: f32,
-    radius: f32,
-    gap: f32,
-    radiance: f32,       // on the axis, relative to the film's unit
-    exponent: f32,       // intensity goes as cos^exponent
-    cos_cutoff: f32,
-    cumulative: f32,     // share of the power of this and all earlier LEDs
-    table: u32,          // first entry of its intensity table, or NO_TABLE
-    launch: f32,         // 1 - cos_cutoff^(exponent + 1)
-}
+// LEDs: discs at the side walls, read through functions that the host writes, as for layers and interfaces:
+//   lamp_wall         as `path.wall`
+//   lamp_air          1: in the surround before a clear wall, at a distance of lamp_gap; 0: bonded
+//   lamp_along        centre along y on the x walls and along x on the y walls; lamp_height, lamp_radius
+//   lamp_radiance     on the axis, relative to the film's unit
+//   lamp_exponent     intensity goes as its power of the cosine, up to lamp_cos_cutoff
+//   lamp_launch       1 - cos_cutoff^(exponent + 1)
+//   lamp_table        first entry of its intensity table, or NO_TABLE
+//   lamp_picked       the LED for a number in [0, 1), by shares of the power; lamp_picked_aimed, by those of aimed photons
+//   lamp_aim_low, lamp_aim_high    sines between which aimed photons leave it, seen from above
 
 const NO_TABLE: u32 = 0xffffffffu;
 const TABLE_EDGE: u32 = 64u;   // cells in u = sin^2(theta) and in phi
@@ -21,7 +15,6 @@ const TABLE_EDGE: u32 = 64u;   // cells in u = sin^2(theta) and in phi
 override LED_TABLES: bool = false;
 override COSINE_POWER: bool = false;
 
-@group(0) @binding(4) var<uniform> leds: array<Led, 64>;
 @group(0) @binding(5) var<storage, read> led_tables: array<vec2f>;   // relative radiance, cumulative share of the power
 
 fn wall_axis(wall: u32) -> vec3f {
@@ -34,8 +27,8 @@ fn along_of(wall: u32, v: vec3f) -> f32 { return select(v.x, v.y, wall < 2u); }
 // The bonded LED under the path's point on `path.wall`, or led_count.
 fn wall_led() -> u32 {
     for (var k = 0u; k < scene.led_count; k += 1u) {
-        let d = vec2f(along_of(path.wall, path.o) - leds[k].along, path.o.z - leds[k].height);
-        if (leds[k].wall == path.wall && leds[k].air == 0u && dot(d, d) <= leds[k].radius * leds[k].radius) { return k; }
+        let d = vec2f(along_of(path.wall, path.o) - lamp_along(k), path.o.z - lamp_height(k));
+        if (lamp_wall(k) == path.wall && lamp_air(k) == 0u && dot(d, d) <= lamp_radius(k) * lamp_radius(k)) { return k; }
     }
     return scene.led_count;
 }
@@ -44,18 +37,18 @@ fn wall_led() -> u32 {
 fn table_cell(k: u32, sin_sq: f32, phi: f32) -> u32 {
     let turn = fract(phi / TAU + 1.0);
     let row = min(u32(sin_sq * f32(TABLE_EDGE)), TABLE_EDGE - 1u);
-    return leds[k].table + row * TABLE_EDGE + min(u32(turn * f32(TABLE_EDGE)), TABLE_EDGE - 1u);
+    return lamp_table(k) + row * TABLE_EDGE + min(u32(turn * f32(TABLE_EDGE)), TABLE_EDGE - 1u);
 }
 
 // Radiance of LED k against a path that meets its face with the outward cosine c.
 fn led_radiance(k: u32, c: f32, v: vec3f) -> f32 {
-    if (c <= leds[k].cos_cutoff) { return 0.0; }
-    if (LED_TABLES && leds[k].table != NO_TABLE) {
-        let phi = atan2(-along_of(leds[k].wall, v), -v.z);
-        return leds[k].radiance * led_tables[table_cell(k, 1.0 - c * c, phi)].x;
+    if (c <= lamp_cos_cutoff(k)) { return 0.0; }
+    if (LED_TABLES && lamp_table(k) != NO_TABLE) {
+        let phi = atan2(-along_of(lamp_wall(k), v), -v.z);
+        return lamp_radiance(k) * led_tables[table_cell(k, 1.0 - c * c, phi)].x;
     }
-    if (COSINE_POWER && leds[k].exponent != 1.0) { return leds[k].radiance * pow(c, leds[k].exponent - 1.0); }
-    return leds[k].radiance;
+    if (COSINE_POWER && lamp_exponent(k) != 1.0) { return lamp_radiance(k) * pow(c, lamp_exponent(k) - 1.0); }
+    return lamp_radiance(k);
 }
 
 // Radiance over n^2 that a camera path ended with (at a wall or beyond it) finds.
@@ -70,11 +63,11 @@ fn light_at_end(end: u32) -> f32 {
     if (end != END_SIDES) { return 0.0; }
     let n = scene.surround_n;
     for (var k = 0u; k < scene.led_count; k += 1u) {
-        if (leds[k].wall != path.wall || leds[k].air == 0u) { continue; }
+        if (lamp_wall(k) != path.wall || lamp_air(k) == 0u) { continue; }
         let q = dot(path.p, wall_axis(path.wall));
-        let at = path.o + path.p * (leds[k].gap / q);
-        let d = vec2f(along_of(path.wall, at) - leds[k].along, at.z - leds[k].height);
-        if (dot(d, d) <= leds[k].radius * leds[k].radius) {
+        let at = path.o + path.p * (lamp_gap(k) / q);
+        let d = vec2f(along_of(path.wall, at) - lamp_along(k), at.z - lamp_height(k));
+        if (dot(d, d) <= lamp_radius(k) * lamp_radius(k)) {
             record(600u + k, 1.0);
             return led_radiance(k, q / n, path.p / n) / (n * n);
         }
@@ -84,23 +77,23 @@ fn light_at_end(end: u32) -> f32 {
 
 // A direction from LED k: x the squared sine to its normal, y the azimuth.
 fn led_direction(k: u32) -> vec2f {
-    let u = even_draw(617715u);
-    let v = even_draw(488567u);
-    if (LED_TABLES && leds[k].table != NO_TABLE) {
+    let u = even_draw(617715u, run.shift_polar);
+    let v = even_draw(488567u, run.shift_azimuth);
+    if (LED_TABLES && lamp_table(k) != NO_TABLE) {
         var low = 0u;
         var high = TABLE_EDGE * TABLE_EDGE - 1u;
         loop {
             if (low >= high) { break; }
             let mid = (low + high) / 2u;
-            if (led_tables[leds[k].table + mid].y > u) { high = mid; } else { low = mid + 1u; }
+            if (led_tables[lamp_table(k) + mid].y > u) { high = mid; } else { low = mid + 1u; }
         }
         let e = f32(TABLE_EDGE);
         let sin_sq = (f32(low / TABLE_EDGE) + v) / e;
         return vec2f(sin_sq, TAU * (f32(low % TABLE_EDGE) + draw()) / e);
     }
     // cos^m: 1 - cos^(m+1) is uniform up to the cut-off.
-    let x = 1.0 - u * leds[k].launch;
-    let m = leds[k].exponent;
+    let x = 1.0 - u * lamp_launch(k);
+    let m = lamp_exponent(k);
     var cos_sq = x;
     if (COSINE_POWER && m != 1.0) { cos_sq = pow(x, 2.0 / (m + 1.0)); }
     return vec2f(1.0 - cos_sq, TAU * v);
@@ -108,23 +101,29 @@ fn led_direction(k: u32) -> vec2f {
 
 // Starts a photon at an LED. GOES_ON, or how it ended before it entered the stack.
 fn launch() -> u32 {
-    let pick = even_draw(1u);
-    var k = 0u;
-    loop {
-        if (k + 1u >= scene.led_count || pick < leds[k].cumulative) { break; }
-        k += 1u;
-    }
-    let r = leds[k].radius * sqrt(even_draw(761135u));
-    let turn = TAU * even_draw(257481u);
-    let along = leds[k].along + r * cos(turn);
-    let z = leds[k].height + r * sin(turn);
+    let pick = even_draw(1u, run.shift_led);
+    var k = lamp_picked(pick);
+    if (AIMED) { k = lamp_picked_aimed(pick); }
+    let r = lamp_radius(k) * sqrt(even_draw(761135u, run.shift_radius));
+    let turn = TAU * even_draw(257481u, run.shift_turn);
+    let along = lamp_along(k) + r * cos(turn);
+    let z = lamp_height(k) + r * sin(turn);
     let direction = led_direction(k);
-    let wall = leds[k].wall;
+    let wall = lamp_wall(k);
     let out = wall_axis(wall);
     let tangent = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), wall < 2u);
     let s = sqrt(direction.x);
-    let d = s * (sin(direction.y) * tangent + cos(direction.y) * vec3f(0.0, 0.0, 1.0))
-        - sqrt(max(1.0 - direction.x, 0.0)) * out;
+    var aside = s * sin(direction.y);
+    let up = s * cos(direction.y);
+    var inward_sq = 1.0 - direction.x;
+    if (AIMED) {
+        // At a given height above the level the sine of the angle seen from above is uniform: stretched onto where tissue is.
+        let level_sq = max(1.0 - up * up, 0.0);
+        let level = sqrt(level_sq);
+        aside = lamp_aim_low(k) * level + 0.5 * (lamp_aim_high(k) - lamp_aim_low(k)) * (aside + level);
+        inward_sq = level_sq - aside * aside;
+    }
+    let d = aside * tangent + vec3f(0.0, 0.0, up) - sqrt(max(inward_sq, 0.0)) * out;
     path.weight = 1.0;
     path.bounces = 0u;
     path.wall = wall;
@@ -132,16 +131,16 @@ fn launch() -> u32 {
     let face = select(scene.half_size.y, scene.half_size.x, wall < 2u);
     path.o = face * out + along * tangent + vec3f(0.0, 0.0, z);
     record(600u + k, 1.0);
-    if (leds[k].air == 1u) {
+    if (lamp_air(k) == 1u) {
         path.p = scene.surround_n * d;
-        path.o -= d * (leds[k].gap / dot(d, out));
+        path.o -= d * (lamp_gap(k) / dot(d, out));
         // To the wall's plane; a ray that misses the wall is lost beside it.
         path.o = select(path.o, face * out, abs(out) > vec3f(0.5));
         let width = select(scene.half_size.x, scene.half_size.y, wall < 2u);
         if (abs(along_of(wall, path.o)) >= width || path.o.z <= 0.0 || path.o.z >= face_z(scene.layer_count)) { return END_SIDES; }
     }
     path.layer = layer_at(path.o);
-    if (leds[k].air == 0u) {
+    if (lamp_air(k) == 0u) {
         path.p = layer_n(path.layer) * d;
         return GOES_ON;
     }
@@ -150,7 +149,7 @@ fn launch() -> u32 {
     let dn_sq = -layer_side_dn_sq(path.layer);
     let b_sq = dn_sq + a * a;
     let f = reflectance(a, dn_sq, n_sq);
-    let u = even_draw(94035u);
+    let u = even_draw(94035u, run.shift_side);
     record(256u + wall * 2u + select(1u, 0u, u < f), abs(u - f));
     if (u < f) { return END_SIDES; }
     path.p -= (sqrt(b_sq) - a) * out;

@@ -22,8 +22,8 @@ struct Scene {
     cap_center: vec2f,
     cap_rim_sq: f32,
     cap_depth: f32,
-    field_size: vec2u,       // height samples along x and y
-    field_scale: vec2f,      // samples per mm
+    field_size: vec2u,       // height samples along x and y, or cells along the distance to the axis
+    field_scale: vec2f,      // of them per mm
     image_size: vec2u,
     pixel_tan: f32,          // tangent of the view angle per pixel
     camera_distance: f32,
@@ -31,6 +31,7 @@ struct Scene {
     focus_distance: f32,
     tissue_dn_sq: f32,       // n_tissue^2 - n_top^2
     gap_dn_sq: f32,          // n_surround^2 - n_top^2
+    field_center: vec2f,     // middle or axis of height fields
     field_zone_sq: f32,      // within this radius height fields bend otherwise than beyond
     pad: u32,
 }
@@ -41,12 +42,16 @@ struct Run {
     count: u32,       // pixels or threads of this submission
     samples: u32,     // paths per pixel, or photons per thread
     first_sample: u32,
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
+    shift_led: u32,   // of the launch's lattice along its coordinates
+    shift_radius: u32,
+    shift_turn: u32,
+    shift_polar: u32,
+    shift_azimuth: u32,
+    shift_side: u32,
+    pad: u32,
 }
 
-// Layers and interfaces are read through functions such as `face_z(i)`, which the host writes into the text with the
+// Layers, interfaces and LEDs are read through functions such as `face_z(i)`, which the host writes into the text with the
 // scene's numbers: a chain of selects over constants, on a CPU driver 1.4 times faster overall than a gather.
 @group(0) @binding(0) var<uniform> scene: Scene;
 @group(0) @binding(1) var<uniform> run: Run;
@@ -76,6 +81,7 @@ const END_ABSORBED: u32 = 6u;
 const END_ROULETTE: u32 = 7u;
 const END_CAP: u32 = 8u;
 const END_LOST: u32 = 9u;
+const END_ASTRAY: u32 = 10u;   // an aimed photon that can meet tissue no more
 const GOES_ON: u32 = 0u;
 
 // Slots of the flux ledger.

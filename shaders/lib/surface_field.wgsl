@@ -1,42 +1,10 @@
-// Smooth height fields: bicubic B-splines over the footprint, one per deformed interface.
-// Four control points of a row lie in one vec4. Intersection by safe Newton: with |G''| <= K along the ray the step
-// below never passes the first root. K has two values, within a radius about the middle and beyond; no step passes from one to
-// the other. Heights are relative to the undeformed plane.
+// Smooth height fields, one per deformed interface; `field_at` gives their displacement and its gradient. Intersection by safe Newton: with |G''| <= K along the ray the step
+// below never passes the first root. K has two values, within a radius and beyond; no step passes from one to the
+// other. Heights are relative to the undeformed plane.
 
 @group(0) @binding(8) var<storage, read> field: array<vec4f>;
 
 var<private> field_slope: vec2f;
-
-fn spline(u: f32) -> vec4f {
-    let v = 1.0 - u;
-    return vec4f(v * v * v, (3.0 * u - 6.0) * u * u + 4.0, (3.0 * v - 6.0) * v * v + 4.0, u * u * u) * (1.0 / 6.0);
-}
-
-fn spline_slope(u: f32) -> vec4f {
-    let v = 1.0 - u;
-    return vec4f(-v * v, (3.0 * u - 4.0) * u, (4.0 - 3.0 * v) * v, u * u) * 0.5;
-}
-
-// Displacement and its gradient.
-fn field_at(i: u32, xy: vec2f) -> vec3f {
-    let last = vec2f(scene.field_size - 2u);
-    let g = (xy + scene.half_size) * scene.field_scale;
-    let cell = clamp(floor(g), vec2f(0.0), last);
-    let u = clamp(g - cell, vec2f(0.0), vec2f(1.0));
-    let width = scene.field_size.x - 1u;
-    let at = face_field(i) + u32(cell.y) * width + u32(cell.x);
-    let wx = spline(u.x);
-    let dx = spline_slope(u.x);
-    let wy = spline(u.y);
-    let dy = spline_slope(u.y);
-    let r0 = field[at];
-    let r1 = field[at + width];
-    let r2 = field[at + 2u * width];
-    let r3 = field[at + 3u * width];
-    let rows = vec4f(dot(r0, wx), dot(r1, wx), dot(r2, wx), dot(r3, wx));
-    let slopes = vec4f(dot(r0, dx), dot(r1, dx), dot(r2, dx), dot(r3, dx));
-    return vec3f(dot(rows, wy), dot(slopes, wy) * scene.field_scale.x, dot(rows, dy) * scene.field_scale.y);
-}
 
 fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
     let zeta = o.z - face_z(i);
@@ -47,8 +15,9 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
     if (outside && p.z * side <= 0.0) { return FAR; }
     // Where along the ray the zone lies in which the field bends otherwise.
     let across = dot(p.xy, p.xy);
-    let half = dot(o.xy, p.xy);
-    let root_sq = half * half - across * (dot(o.xy, o.xy) - scene.field_zone_sq);
+    let off = o.xy - scene.field_center;
+    let half = dot(off, p.xy);
+    let root_sq = half * half - across * (dot(off, off) - scene.field_zone_sq);
     let crosses = root_sq > 0.0 && across > 0.0;
     let zone_root = sqrt(max(root_sq, 0.0));
     let enters = select(FAR, (-half - zone_root) / across, crosses);

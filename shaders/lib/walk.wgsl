@@ -3,6 +3,9 @@
 
 // Whether this is a camera path that ends at tissue. (One that goes on into it gains nothing and takes longer.)
 override EYE: bool = false;
+// Whether this is a photon that counts at tissue only, where it can be told from above whether it may still meet any: between flat,
+// smooth faces and black walls paths run straight when seen from there.
+override AIMED: bool = false;
 
 fn safe_divide(a: f32, b: f32) -> f32 { return select(a / b, FAR, b == 0.0); }
 
@@ -97,6 +100,14 @@ fn roulette() -> u32 {
     return GOES_ON;
 }
 
+// No tissue here, and none ahead.
+fn astray() -> bool {
+    let d = path.o.xy - scene.tissue_center;
+    let along = dot(d, path.p.xy);
+    let beyond = dot(d, d) - scene.tissue_radius_sq;
+    return beyond > 0.0 && (along >= 0.0 || along * along < beyond * dot(path.p.xy, path.p.xy));
+}
+
 fn absorb(length: f32) {
     let before = path.weight;
     path.weight = before * exp(-layer_absorption(path.layer) * length);
@@ -141,6 +152,7 @@ fn step(curved: bool) -> u32 {
     let top = scene.layer_count;
     let ended = roulette();
     if (ended != GOES_ON) { return ended; }
+    if (AIMED && astray()) { return END_ASTRAY; }
     book_segment();
     let o = path.o;
     let p = path.p;

@@ -161,6 +161,9 @@ impl Seen<'_> {
         };
         let control = match &self.job.surface {
             Surface::Fields(fields) => fields.iter().flatten().map(|field| field.control.len() as u64).sum(),
+            Surface::Profiles(profiles) => {
+                profiles.iter().flatten().map(|profile| 4 * profile.cells.len() as u64).sum()
+            }
             _ => 0,
         };
         // Device: two words a sum and the count of segments beside it. Program: what comes back, the replicate, running

@@ -5,7 +5,6 @@ use crate::film::Film;
 use crate::mechanics::press::{PressStep, Pressed};
 use crate::scene::{Integrator, LoadedScene};
 use crate::surface::{SurfaceError, contact_map, pressed_contact, pressed_surface, surface};
-use crate::trace::kernel::ShapePiece;
 use crate::trace::{
     BackendChoice, Kernel, Method, Model, Outcome, Plan, Precision, Settings, Stage, TraceError, render,
 };
@@ -109,7 +108,7 @@ impl Subject<'_> {
         let kernel = Kernel::of(&model);
         let mut choice = Choice { spp: self.most_spp.saturating_mul(REFERENCE), ..self.default() };
         // The highest rung of each ladder of geometry is beside it: the reference is finer than all.
-        if kernel.shape == ShapePiece::Field {
+        if kernel.has_fields() {
             choice.points *= 2;
         }
         let spp = choice.spp;
@@ -146,7 +145,7 @@ impl Subject<'_> {
                 ..default.clone()
             }));
         }
-        if kernel.shape == ShapePiece::Field {
+        if kernel.has_fields() {
             let points = [16, 8, 4, 2, 1].map(|divisor| default.points / divisor);
             choices.extend(points.into_iter().filter(|&points| points >= 8).map(|points| Choice {
                 family: "height field",

@@ -1,8 +1,7 @@
 //! Errors of images and what to make of them.
 
 use super::{ErrorEstimate, Rung};
-use crate::film::Film;
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use crate::film::{Film, mean_interval};
 
 /// The normal deviate of a two-sided 95 %.
 const NORMAL: f64 = 1.959_964;
@@ -47,11 +46,8 @@ pub fn square_error(film: &Film, reference: &Film, lit: &[bool]) -> Option<[f64;
 impl ErrorEstimate {
     /// From the square errors of independent runs, less the reference's noise, which is itself known to a share.
     pub fn of_squares(squares: &[f64], noise: f64, noise_share: f64) -> Self {
-        let n = squares.len().max(1) as f64;
-        let mean = squares.iter().sum::<f64>() / n;
-        let spread = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-        let quantile = StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0)).map_or(NORMAL, |t| t.inverse_cdf(0.975));
-        let half = (quantile * (spread / n).sqrt()).hypot(NORMAL * noise_share * noise);
+        let [mean, half] = mean_interval(squares);
+        let half = half.hypot(NORMAL * noise_share * noise);
         let root = |square: f64| square.max(0.0).sqrt();
         let square = mean - noise;
         Self { value: root(square), low: root(square - half), high: root(square + half) }

@@ -8,6 +8,7 @@ mod tails;
 pub use blocks::{BlockAccumulator, BlockLevel, Inflation};
 pub use compare::{Comparison, compare};
 pub use ledger::Ledger;
+pub use tails::mean_interval;
 
 /// A linear radiance image in W/(m^2 sr), row 0 at positive y, column 0 at negative x.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -38,6 +38,15 @@ pub(super) fn quantile_95(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(NORMAL, |t| t.inverse_cdf(0.975))
 }
 
+/// Mean of independent values, and half of its 95 % interval; nothing is known of the spread of a single value.
+pub fn mean_interval(values: &[f64]) -> [f64; 2] {
+    let n = values.len().max(1) as f64;
+    let freedom = (n - 1.0).max(1.0);
+    let mean = values.iter().sum::<f64>() / n;
+    let spread = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / freedom;
+    [mean, quantile_95(freedom) * (spread / n).sqrt()]
+}
+
 /// Probability that the smallest of `tests` independent p-values is at most `p` (Sidak 1967).
 pub(super) fn sidak(p: f64, tests: f64) -> f64 {
     -(tests * (-p.min(1.0)).ln_1p()).exp_m1()

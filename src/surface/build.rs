@@ -1,6 +1,6 @@
 //! From a scene's touch to the shape of every interface.
 
-use super::{Cap, HeightField, Mesh, Surface};
+use super::{Cap, HeightField, Mesh, Profile, Relief, Surface};
 use crate::image_io::{Grid, read_grid as read_grid_file};
 use crate::scene::{Inner, LoadedScene, Normals, Shape, read_mesh, read_pressure_table};
 use std::path::{Path, PathBuf};
@@ -43,19 +43,18 @@ pub fn surface(loaded: &LoadedScene) -> Result<Surface, SurfaceError> {
             Ok(Surface::Cap { cap: Cap { center_mm, depth_mm, rim_mm: radius_mm }, share })
         }
         &Shape::GaussianDent { depth_mm, sigma_mm, center_mm } => {
-            let height = |x: f64, y: f64| {
-                let r_sq = (x - center_mm[0]).powi(2) + (y - center_mm[1]).powi(2);
-                -depth_mm * (-0.5 * r_sq / (sigma_mm * sigma_mm)).exp()
-            };
-            let field = HeightField::sample(points, footprint, height).ok_or_else(short)?;
-            fields(loaded, &field, &share)
+            let height = |r: f64| -depth_mm * (-0.5 * (r / sigma_mm).powi(2)).exp();
+            let profile = Profile::sample(points, footprint, center_mm, height).ok_or_else(short)?;
+            fit(loaded, &profile, &share)?;
+            Ok(Surface::Profiles(shared(&share, |s| profile.scaled(s))))
         }
         Shape::HeightMap { file, scale_mm } => {
             let grid = read_grid(loaded, file, "touch.shape.file")?;
             let samples: Vec<f64> = grid.values.iter().map(|v| v * scale_mm).collect();
             let field = HeightField::interpolate(grid.columns as usize, grid.rows as usize, footprint, &samples)
                 .ok_or_else(short)?;
-            fields(loaded, &field, &share)
+            fit(loaded, &field, &share)?;
+            Ok(Surface::Fields(shared(&share, |s| field.scaled(s))))
         }
         Shape::Mesh { file, normals } => mesh(loaded, file, *normals),
     }
@@ -78,26 +77,31 @@ fn shares(loaded: &LoadedScene) -> Vec<f64> {
     heights.iter().enumerate().map(share).collect()
 }
 
-fn fields(loaded: &LoadedScene, field: &HeightField, share: &[f64]) -> Result<Surface, SurfaceError> {
+/// What each interface carries; `None` where that is nothing.
+fn shared<T>(share: &[f64], scaled: impl Fn(f64) -> T) -> Vec<Option<T>> {
+    share.iter().map(|&s| (s != 0.0).then(|| scaled(s))).collect()
+}
+
+/// Whether interfaces that carry their shares of a relief keep apart.
+fn fit(loaded: &LoadedScene, relief: &impl Relief, share: &[f64]) -> Result<(), SurfaceError> {
     let heights = loaded.scene.stack.interface_heights_mm();
-    let interfaces: Vec<Option<HeightField>> = share.iter().map(|&s| (s != 0.0).then(|| field.scaled(s))).collect();
-    let range = |i: usize| interfaces[i].as_ref().map_or([0.0, 0.0], HeightField::range_mm);
+    let [low, high] = relief.range_mm();
     for i in 1..heights.len() {
         // The difference of two splines of one shape stays within its control points, so this test is exact for it.
-        let thinnest = heights[i] - heights[i - 1] + (share[i] - share[i - 1]) * field.range_mm()[0];
+        let thinnest = heights[i] - heights[i - 1] + (share[i] - share[i - 1]) * low;
         if thinnest <= 0.0 {
             return Err(SurfaceError::Shape {
                 key: "touch.shape",
                 message: format!(
                     "the interface at {} mm is pushed down by up to {:.4} mm, through the one at {} mm; press less deep, or let inner = \"follow\"",
                     heights[i],
-                    -range(i)[0],
+                    -(share[i] * low).min(share[i] * high),
                     heights[i - 1]
                 ),
             });
         }
     }
-    Ok(Surface::Fields(interfaces))
+    Ok(())
 }
 
 fn mesh(loaded: &LoadedScene, file: &Path, normals: Normals) -> Result<Surface, SurfaceError> {

@@ -1,5 +1,7 @@
 //! Bicubic B-spline height fields over the footprint.
 
+use super::Relief;
+
 /// Displacement of one interface: a bicubic B-spline that interpolates samples on a regular grid.
 ///
 /// Samples lie at the corners of `columns - 1` by `rows - 1` cells that span the footprint; the spline ends with zero
@@ -19,7 +21,7 @@ pub struct HeightField {
 /// How strongly a cell of a height field bends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bend {
-    /// Distance of its nearest point to the middle of the footprint, mm.
+    /// Distance of its nearest point to the middle of the footprint, or to the axis, mm.
     pub nearest_mm: f64,
     /// Distance of its farthest point, mm.
     pub farthest_mm: f64,
@@ -73,18 +75,18 @@ impl HeightField {
         out.control.iter_mut().for_each(|c| *c *= factor);
         out
     }
+}
 
-    /// Lowest and highest displacement: the spline stays within its control points. mm.
-    pub fn range_mm(&self) -> [f64; 2] {
+impl Relief for HeightField {
+    /// The spline stays within its control points.
+    fn range_mm(&self) -> [f64; 2] {
         let fold = |init: f64, pick: fn(f64, f64) -> f64| self.control.iter().copied().fold(init, pick);
         [fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max)]
     }
 
-    /// Proven bounds on the second derivative along any unit direction, cell by cell.
-    ///
     /// In a cell the second derivatives are convex combinations of second differences of its 4 x 4 control points; the
     /// bound is the largest norm of such a Hessian.
-    pub fn bends(&self) -> Vec<Bend> {
+    fn bends(&self) -> Vec<Bend> {
         let width = self.columns + 2;
         let at = |x: usize, y: usize| self.control[y * width + x];
         let [sx, sy] = self.per_mm;
@@ -119,8 +121,7 @@ impl HeightField {
         cells.map(bend).collect()
     }
 
-    /// Displacement and its gradient at a point of the footprint (centre at the origin). mm and mm/mm.
-    pub fn at(&self, x: f64, y: f64) -> [f64; 3] {
+    fn at(&self, x: f64, y: f64) -> [f64; 3] {
         let half = |n: usize, per: f64| (n - 1) as f64 / per / 2.0;
         let gx = (x + half(self.columns, self.per_mm[0])) * self.per_mm[0];
         let gy = (y + half(self.rows, self.per_mm[1])) * self.per_mm[1];

@@ -2,7 +2,8 @@
 //!
 //! Interface `i` lies between layer `i` and layer `i + 1`, counted from the camera side: 0 is the lower face of the
 //! lowest layer, `N` the touched face of `N` layers. Flat interfaces are planes; a deformed one is a spherical cap in
-//! closed form, a smooth B-spline height field, or (the touched face only) a triangle mesh in a bounding-volume tree.
+//! closed form, a smooth height field over the plane or about an axis, or (the touched face only) a triangle mesh in a
+//! bounding-volume tree.
 
 pub mod build;
 pub mod cap;
@@ -10,6 +11,7 @@ pub mod contact;
 pub mod height_field;
 pub mod mesh;
 pub mod pressed;
+pub mod profile;
 pub mod zones;
 
 pub use build::{SurfaceError, surface};
@@ -18,6 +20,9 @@ pub use contact::{ContactMap, contact_map};
 pub use height_field::HeightField;
 pub use mesh::Mesh;
 pub use pressed::{pressed_contact, pressed_surface};
+pub use profile::Profile;
+
+use height_field::Bend;
 
 /// Shape of all interfaces of a stack.
 #[derive(Debug, Clone)]
@@ -31,8 +36,10 @@ pub enum Surface {
         /// Share of the displacement, one per interface, 1 at the touched face.
         share: Vec<f64>,
     },
-    /// Height fields, one per interface; `None` where an interface is flat.
+    /// Height fields of one grid, one per interface; `None` where an interface is flat.
     Fields(Vec<Option<HeightField>>),
+    /// Height fields about one axis, one per interface; `None` where an interface is flat.
+    Profiles(Vec<Option<Profile>>),
     /// The touched face as a mesh; the others are flat.
     Mesh(Mesh),
 }
@@ -49,7 +56,28 @@ impl Surface {
             Self::Flat => "planes",
             Self::Cap { .. } => "spherical cap in closed form",
             Self::Fields(_) => "B-spline height field",
+            Self::Profiles(_) => "height field about an axis",
             Self::Mesh(_) => "triangle mesh",
         }
     }
+    /// The height field of interface `i`, where it has one.
+    pub fn relief(&self, i: usize) -> Option<&dyn Relief> {
+        match self {
+            Self::Fields(fields) => fields.get(i)?.as_ref().map(|field| field as &dyn Relief),
+            Self::Profiles(profiles) => profiles.get(i)?.as_ref().map(|profile| profile as &dyn Relief),
+            Self::Flat | Self::Cap { .. } | Self::Mesh(_) => None,
+        }
+    }
+}
+
+/// A height field, over the plane or about an axis.
+pub trait Relief {
+    /// Lowest and highest displacement, or somewhat beyond, mm.
+    fn range_mm(&self) -> [f64; 2];
+
+    /// Proven bounds on the second derivative along any unit direction, cell by cell.
+    fn bends(&self) -> Vec<Bend>;
+
+    /// Displacement and its gradient at a point of the footprint (centre at the origin). mm and mm/mm.
+    fn at(&self, x: f64, y: f64) -> [f64; 3];
 }

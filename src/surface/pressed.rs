@@ -4,7 +4,7 @@
 //! above a place is that of the point that lies there now. Beyond the rim of the pressed face an interface keeps the height
 //! of the rim, straight out from the axis.
 
-use super::{ContactMap, HeightField, Surface, SurfaceError};
+use super::{ContactMap, HeightField, Profile, Surface, SurfaceError};
 use crate::mechanics::element::{Shape, lagrange};
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::mesh::{Footprint, Mesh};
@@ -24,18 +24,27 @@ pub fn pressed_surface(loaded: &LoadedScene, pressed: &Pressed, step: &PressStep
     let scene = &loaded.scene;
     let points = scene.render.height_field_points as usize;
     let interfaces = scene.stack.layer.len() + 1;
-    let mut fields = vec![None; interfaces];
+    let footprint = scene.stack.footprint_mm;
     let moved = &step.state.displacement[pressed.assembly.phantom_nodes..];
     let first = interfaces - layers.len();
-    for (region, field) in fields[first..].iter_mut().enumerate() {
-        let face = Face::of_layer(pressed, sensor, moved, region as u32);
-        let height = |x: f64, y: f64| face.height(x, y);
-        let sampled = HeightField::sample(points, scene.stack.footprint_mm, height).ok_or_else(|| {
-            SurfaceError::Shape { key: "stack.footprint_mm", message: "a height field needs 3 x 3 samples".into() }
-        })?;
-        *field = Some(sampled);
-    }
-    Ok(Surface::Fields(fields))
+    let face = |i: usize| (i >= first).then(|| Face::of_layer(pressed, sensor, moved, (i - first) as u32));
+    let round = pressed.setup.kinematics == Kinematics::Axisymmetric;
+    let surface = if round {
+        let profile = |face: Face| Profile::sample(points, footprint, [0.0; 2], |r| face.height(r, 0.0));
+        every(interfaces, |i| face(i).map(profile)).map(Surface::Profiles)
+    } else {
+        let field = |face: Face| HeightField::sample(points, footprint, |x, y| face.height(x, y));
+        every(interfaces, |i| face(i).map(field)).map(Surface::Fields)
+    };
+    surface.ok_or_else(|| SurfaceError::Shape {
+        key: "stack.footprint_mm",
+        message: "a height field needs 3 x 3 samples".into(),
+    })
+}
+
+/// What each interface has, if all that have something have enough samples for it.
+fn every<T>(interfaces: usize, of: impl Fn(usize) -> Option<Option<T>>) -> Option<Vec<Option<T>>> {
+    (0..interfaces).map(|i| of(i).map_or(Some(None), |sampled| sampled.map(Some))).collect()
 }
 
 /// Share of true contact under a press; `None` where the scene has no optical contact.

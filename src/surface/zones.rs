@@ -1,10 +1,10 @@
 //! Where height fields bend little, and where much.
 //!
 //! A search along a ray steps as far as a bound on the bending allows. A pressed sensor bends thousands of times more at its rim than
-//! within; a dent bends within its rim and not beyond. So there are two bounds, within a radius about the middle of the footprint and
-//! beyond it.
+//! within; a dent bends within its rim and not beyond. So there are two bounds, within a radius about the middle of the footprint, or about
+//! the axis, and beyond it.
 
-use super::height_field::HeightField;
+use super::Relief;
 
 /// Radii on trial.
 const RADII: usize = 32;
@@ -14,7 +14,7 @@ const OVERLAP_MM: f64 = 0.01;
 /// Bounds within a radius and beyond.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Zones {
-    /// The radius about the middle of the footprint, mm.
+    /// The radius, mm.
     pub radius_mm: f64,
     /// For each field, bounds on the second derivative within and beyond, per mm.
     pub bounds: Vec<[f64; 2]>,
@@ -22,7 +22,7 @@ pub struct Zones {
 
 impl Zones {
     /// The radius that spares most steps: those within a length go about as the root of the bound.
-    pub fn of(fields: &[&HeightField]) -> Self {
+    pub fn of<R: Relief>(fields: &[&R]) -> Self {
         let bends: Vec<_> = fields.iter().map(|field| field.bends()).collect();
         let edge_mm = bends.iter().flatten().map(|bend| bend.farthest_mm).fold(0.0, f64::max);
         let zones = |k: usize| {
@@ -61,6 +61,7 @@ impl Zones {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::surface::HeightField;
 
     fn field(height: impl Fn(f64) -> f64) -> HeightField {
         HeightField::sample(129, [30.0, 30.0], |x, y| height(x.hypot(y))).unwrap()

@@ -3,6 +3,7 @@
 use super::backend::{Backend, CameraMode, PhotonMode, TraceError};
 use super::cpu::{UNIT, book, camera::FILM_UNIT, photons::DEPOSIT_UNIT, random::pcg3d};
 use super::exitance::{ContactLight, Smoothing, TouchedFace};
+use super::kernel::Kernel;
 use super::model::Model;
 use super::plan::Method;
 use crate::film::Ledger;
@@ -54,7 +55,7 @@ pub struct Times {
     pub map: f64,
     /// Camera paths.
     pub camera: f64,
-    /// Photons of the ledger, where the method sends none of its own.
+    /// Photons of the ledger, where the method sends none of its own or not all.
     pub ledger: f64,
 }
 
@@ -154,7 +155,7 @@ impl Batch<'_> {
             Method::Splat => {
                 let (deposits, sent) = self.photons(PhotonMode::Splat, index, work.photons, observe)?;
                 let mut image = self.camera(CameraMode::Complement, index, work.spp, observe)?;
-                let each = self.model.power * self.model.unit_radiance / sent as f64 / DEPOSIT_UNIT;
+                let each = self.model.power * self.model.unit_radiance / sent / DEPOSIT_UNIT;
                 image.iter_mut().zip(deposits).for_each(|(v, d)| *v += d as f64 * each);
                 Ok(image)
             }
@@ -235,14 +236,14 @@ impl Batch<'_> {
         Ok(sums.into_iter().map(|s| s as f64 * each).collect())
     }
 
-    /// Returns the deposits in their units, and the photons sent.
+    /// Returns the deposits in their units, and the photons that they stand for.
     fn photons(
         &mut self,
         mode: PhotonMode,
         index: u32,
         photons: u64,
         observe: &mut Observer,
-    ) -> Result<(Vec<u64>, u64), TraceError> {
+    ) -> Result<(Vec<u64>, f64), TraceError> {
         let begun = Instant::now();
         let threads = photons.clamp(1, u64::from(THREADS)) as u32;
         let each = photons.div_ceil(u64::from(threads)).min(u64::from(u32::MAX)) as u32;
@@ -266,8 +267,13 @@ impl Batch<'_> {
         self.totals.photons += sent;
         self.totals.times.photons += begun.elapsed().as_secs_f64();
         self.totals.segments += tally[book::SEGMENTS].max(0) as u64;
+        if mode != PhotonMode::Ledger && Kernel::of(self.model).aimed {
+            // They are not followed to their ends.
+            self.totals.tally[book::LOST] += tally[book::LOST];
+            return Ok((deposits, sent as f64 / self.model.aimed_share));
+        }
         self.totals.tally.iter_mut().zip(tally).for_each(|(sum, v)| *sum += v);
-        Ok((deposits, sent))
+        Ok((deposits, sent as f64))
     }
 }
 

@@ -82,8 +82,8 @@ impl TouchedFace {
     }
 
     /// Turns deposits of `sent` photons into light per area.
-    pub fn light(&self, deposits: &[u64], sent: u64) -> ContactLight {
-        let each = self.unit / sent as f64;
+    pub fn light(&self, deposits: &[u64], sent: f64) -> ContactLight {
+        let each = self.unit / sent;
         let light = [0, 1].map(|which| {
             let fluxes = deposits.iter().skip(which).step_by(2);
             fluxes.zip(&self.area).map(|(&flux, &a)| if a > 0.0 { flux as f64 * each / a } else { 0.0 }).collect()

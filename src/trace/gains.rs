@@ -3,12 +3,14 @@
 
 use super::backend::TraceError;
 use super::kernel::{Kernel, ShapePiece, Spare};
-use super::model::{Camera, FieldShape, Model, Shape, Tissue};
+use super::model::{Camera, FieldShape, Heights, Model, Shape, Tissue};
 use super::render::{Settings, Stage, render};
-use crate::film::{Film, compare::compare};
+use crate::film::compare::compare;
+use crate::film::{Film, mean_interval};
 use crate::scene::Integrator;
+use crate::surface::zones::Zones;
+use crate::surface::{HeightField, Profile, Relief};
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Points along each side of a height field that stays flat.
 const FLAT_POINTS: usize = 128;
@@ -28,6 +30,11 @@ pub struct Gain {
     pub high: f64,
     /// Whether the images agree.
     pub same_image: bool,
+}
+
+/// Whether two images are of the same light.
+fn agree(plain: &Film, film: &Film) -> bool {
+    film.mean == plain.mean || compare(plain, film, LEVEL).is_ok_and(|comparison| comparison.passed)
 }
 
 /// A model with something more in it than it needs.
@@ -70,14 +77,8 @@ pub fn gains(
         }
     }
     let gain = |((laden, mut ratios), film): ((Laden, Vec<f64>), Option<Film>)| {
-        let same = film.zip(plain.as_ref()).is_some_and(|(film, plain)| {
-            film.mean == plain.mean || compare(plain, &film, LEVEL).is_ok_and(|comparison| comparison.passed)
-        });
-        let n = ratios.len() as f64;
-        let mean = ratios.iter().sum::<f64>() / n;
-        let spread = ratios.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-        let quantile = StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0)).map_or(2.0, |t| t.inverse_cdf(0.975));
-        let half = quantile * (spread / n).sqrt();
+        let same = film.zip(plain.as_ref()).is_some_and(|(film, plain)| agree(plain, &film));
+        let [mean, half] = mean_interval(&ratios);
         ratios.sort_by(f64::total_cmp);
         Gain {
             piece: laden.piece,
@@ -96,8 +97,11 @@ fn laden(model: &Model<f64>, settings: &Settings) -> Vec<Laden> {
     let kernel = Kernel::of(model);
     let settings = Settings { seed: settings.seed.wrapping_add(1), ..settings.clone() };
     type Load = fn(&mut Model<f64>, &mut Settings);
-    let spare: [(&str, bool, Load); 8] = [
+    let spare: [(&str, bool, Load); 10] = [
         ("height fields", kernel.shape == ShapePiece::Plane, |m, _| flat_fields(m)),
+        ("height fields over the plane in place of profiles", kernel.shape == ShapePiece::Profile, |m, _| {
+            over_the_plane(m)
+        }),
         ("search on both faces of a layer", kernel.deformed() && !kernel.deformed_pairs, |m, _| {
             m.spare.push(Spare::DeformedPairs);
         }),
@@ -109,6 +113,7 @@ fn laden(model: &Model<f64>, settings: &Settings) -> Vec<Laden> {
             m.camera = Camera { focus: m.camera.distance, ..m.camera };
             m.spare.push(Spare::Lens);
         }),
+        ("photons that can meet no tissue", kernel.aimed, |m, _| m.spare.push(Spare::Astray)),
         ("tissue contact, photons and their map", !kernel.touched, |m, s| {
             m.tissue = Some(out_of_reach(m.surround_n));
             s.integrator = Integrator::Map;
@@ -135,10 +140,41 @@ fn flat_fields(model: &mut Model<f64>) {
     }
     let cells = (FLAT_POINTS - 1) as f64;
     model.shape = Shape::Field(FieldShape {
-        size: [FLAT_POINTS; 2],
-        per_mm: model.half_size.map(|half| cells / (2.0 * half)),
-        control: vec![vec![0.0; (FLAT_POINTS + 2) * (FLAT_POINTS + 2)]],
+        heights: Heights::Grid {
+            size: [FLAT_POINTS; 2],
+            per_mm: model.half_size.map(|half| cells / (2.0 * half)),
+            control: vec![vec![0.0; (FLAT_POINTS + 2) * (FLAT_POINTS + 2)]],
+        },
+        center: [0.0; 2],
         zone_sq: 0.0,
+    });
+}
+
+/// The same heights on a grid.
+fn over_the_plane(model: &mut Model<f64>) {
+    let footprint = model.half_size.map(|half| 2.0 * half);
+    let Shape::Field(FieldShape { heights: Heights::Profile { per_mm, cells }, center, .. }) = &model.shape else {
+        return;
+    };
+    // As fine as the profiles.
+    let points = (per_mm * footprint[0].max(footprint[1])).round() as usize + 1;
+    let profiles = cells.iter().map(|cells| Profile { center_mm: *center, per_mm: *per_mm, cells: cells.clone() });
+    let field = |profile: Profile| HeightField::sample(points, footprint, |x, y| profile.at(x, y)[0]);
+    let Some(fields) = profiles.map(field).collect::<Option<Vec<_>>>() else { return };
+    let zones = Zones::of(&fields.iter().collect::<Vec<_>>());
+    for face in model.faces.iter_mut().filter(|face| face.share != 0.0) {
+        let [low, high] = fields[face.field].range_mm();
+        (face.low, face.high, face.curvature) = (low - 1e-3, high + 1e-3, zones.bounds[face.field]);
+    }
+    let Some(first) = fields.first() else { return };
+    model.shape = Shape::Field(FieldShape {
+        heights: Heights::Grid {
+            size: [first.columns, first.rows],
+            per_mm: first.per_mm,
+            control: fields.iter().map(|field| field.control.clone()).collect(),
+        },
+        center: [0.0; 2],
+        zone_sq: zones.radius_mm.powi(2),
     });
 }
 
@@ -157,5 +193,39 @@ fn out_of_reach(n: f64) -> Tissue<f64> {
         gap_dn_sq: 0.0,
         reentry_contact: 0.0,
         reentry_gap: 0.0,
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::LoadedScene;
+    use crate::trace::BackendChoice;
+
+    fn film(loaded: &LoadedScene, seed: u32) -> Film {
+        let surface = crate::surface::surface(loaded).unwrap();
+        let model = Model::new(loaded, &surface, crate::surface::contact_map(loaded).unwrap()).unwrap();
+        let settings = Settings {
+            spp: 32,
+            photons: Some(1 << 18),
+            seed,
+            backend: BackendChoice::Cpu,
+            ..Settings::of(&loaded.scene.render)
+        };
+        render(&model, &settings, &mut |_| true).unwrap().film
+    }
+
+    #[test]
+    fn another_albedo_is_another_image_and_another_seed_is_not() {
+        let mut loaded = crate::scene::preset("contact-disc").unwrap();
+        loaded.scene.camera.pixel_pitch_um *= 8.0;
+        loaded.scene.camera.pixels = [48, 36];
+        let plain = film(&loaded, 1);
+        assert!(agree(&plain, &film(&loaded, 2)));
+        if let Some(contact) = &mut loaded.scene.touch.contact {
+            contact.tissue.diffuse_reflectance = Some(0.55);
+        }
+        assert!(!agree(&plain, &film(&loaded, 3)));
     }
 }

@@ -1,6 +1,6 @@
 //! What a scene needs of the kernels, and what it leaves out.
 
-use super::model::{Model, Real, Shape, Walls};
+use super::model::{Heights, Model, Real, Shape, Walls};
 
 /// Pieces of the kernels that a scene needs. The GPU assembles its WGSL from them, the twin branches on them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +29,9 @@ pub struct Kernel {
     pub cosine_power: bool,
     /// The camera has a lens of finite size.
     pub lens: bool,
+    /// Photons that can meet no tissue, or no more, are told from above and left out: between flat, smooth faces and black walls
+    /// paths run straight when seen from there.
+    pub aimed: bool,
 }
 
 /// Representation of deformed interfaces.
@@ -38,8 +41,10 @@ pub enum ShapePiece {
     Plane,
     /// Spherical cap.
     Cap,
-    /// B-spline height fields.
+    /// Height fields over the plane.
     Field,
+    /// Height fields about an axis.
+    Profile,
     /// Triangles.
     Mesh,
 }
@@ -60,6 +65,8 @@ pub enum Spare {
     CosinePower,
     /// Points on a lens.
     Lens,
+    /// Photons that can meet no tissue.
+    Astray,
 }
 
 impl Kernel {
@@ -71,7 +78,10 @@ impl Kernel {
             shape: match model.shape {
                 Shape::Plane => ShapePiece::Plane,
                 Shape::Cap(_) => ShapePiece::Cap,
-                Shape::Field(_) => ShapePiece::Field,
+                Shape::Field(ref field) => match field.heights {
+                    Heights::Grid { .. } => ShapePiece::Field,
+                    Heights::Profile { .. } => ShapePiece::Profile,
+                },
                 Shape::Mesh(_) => ShapePiece::Mesh,
             },
             deformed_pairs: carries(Spare::DeformedPairs)
@@ -86,6 +96,11 @@ impl Kernel {
             led_tables: carries(Spare::LedTables) || model.leds.iter().any(|l| l.table.is_some()),
             cosine_power: carries(Spare::CosinePower) || model.leds.iter().any(|l| l.exponent != T::one()),
             lens: carries(Spare::Lens) || model.camera.lens_radius > zero,
+            aimed: !carries(Spare::Astray)
+                && matches!(model.shape, Shape::Plane)
+                && model.walls == Walls::Black
+                && model.faces.iter().all(|f| f.kind == 0)
+                && model.tissue.as_ref().is_some_and(|t| t.radius_sq < T::of(1e30)),
         }
     }
 
@@ -94,11 +109,17 @@ impl Kernel {
         self.shape != ShapePiece::Plane
     }
 
+    /// Whether some interface is a height field, of whichever kind.
+    pub fn has_fields(&self) -> bool {
+        matches!(self.shape, ShapePiece::Field | ShapePiece::Profile)
+    }
+
     /// Names of the pieces, and whether each is in.
-    pub fn pieces(&self) -> [(&'static str, bool); 14] {
+    pub fn pieces(&self) -> [(&'static str, bool); 16] {
         [
             ("spherical cap", self.shape == ShapePiece::Cap),
-            ("height fields", self.shape == ShapePiece::Field),
+            ("height fields over the plane", self.shape == ShapePiece::Field),
+            ("height fields about an axis", self.shape == ShapePiece::Profile),
             ("triangle mesh", self.shape == ShapePiece::Mesh),
             ("search on both faces of a layer", self.deformed_pairs),
             ("absorption", self.absorbing),
@@ -111,6 +132,7 @@ impl Kernel {
             ("tabulated LED patterns", self.led_tables),
             ("cosine-power LED patterns", self.cosine_power),
             ("thin lens", self.lens),
+            ("photons that can meet no tissue", self.touched && !self.aimed),
         ]
     }
 }

@@ -35,6 +35,10 @@ pub struct Led<T> {
     pub table: Option<usize>,
     /// 1 - cos_cutoff^(exponent + 1).
     pub launch: T,
+    /// Aimed photons leave it between these sines of the angle to its normal, seen from above, towards `along`.
+    pub aim: [T; 2],
+    /// As `cumulative`, of the power that aimed photons stand for.
+    pub cumulative_aimed: T,
 }
 
 impl Led<f64> {
@@ -52,6 +56,8 @@ impl Led<f64> {
             cumulative: T::of(self.cumulative),
             table: self.table,
             launch: T::of(self.launch),
+            aim: self.aim.map(T::of),
+            cumulative_aimed: T::of(self.cumulative_aimed),
         }
     }
 }
@@ -82,6 +88,42 @@ pub(super) fn leds(loaded: &LoadedScene) -> Result<Lit, SurfaceError> {
         led.cumulative = sum / total;
     }
     Ok(Lit { leds, tables, unit_radiance: unit, power: total / unit })
+}
+
+impl Led<f64> {
+    /// Between which sines all light leaves it that may meet a disc, seen from above. Those of a Lambertian disc on the wall are
+    /// uniform; of others everything is let through.
+    fn aimed_at(&self, half_size: [f64; 2], center: [f64; 2], radius: f64) -> [f64; 2] {
+        let lambertian = self.exponent == 1.0 && self.table.is_none() && self.cos_cutoff == 0.0 && !self.air;
+        if !lambertian {
+            return [-1.0, 1.0];
+        }
+        let (across, along) = if self.wall < 2 { (0, 1) } else { (1, 0) };
+        let outward = if self.wall.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let depth = half_size[across] - outward * center[across];
+        // The tangents turn one way only as a point moves along the wall: those of its ends bound all.
+        let ends = [-1.0, 1.0].map(|end| {
+            let aside = center[along] - (self.along + end * self.radius);
+            let (middle, half) = (aside.atan2(depth), (radius / depth.hypot(aside)).min(1.0).asin());
+            let sine = |angle: f64| angle.clamp(-0.5 * PI, 0.5 * PI).sin();
+            [sine(middle - half), sine(middle + half)]
+        });
+        // A thousandth more, for rounding.
+        [(ends[0][0].min(ends[1][0]) - 1e-3).max(-1.0), (ends[0][1].max(ends[1][1]) + 1e-3).min(1.0)]
+    }
+}
+
+/// Aims LEDs at a disc; returns the share of their power that is left.
+pub(super) fn aim(leds: &mut [Led<f64>], half_size: [f64; 2], center: [f64; 2], radius: f64) -> f64 {
+    let (mut before, mut sum) = (0.0, 0.0);
+    for led in leds.iter_mut() {
+        led.aim = led.aimed_at(half_size, center, radius);
+        sum += (led.cumulative - before) * 0.5 * (led.aim[1] - led.aim[0]);
+        before = led.cumulative;
+        led.cumulative_aimed = sum;
+    }
+    leds.iter_mut().for_each(|led| led.cumulative_aimed /= sum);
+    sum
 }
 
 /// One LED and its power in W/m^2 times mm^2, that is uW.
@@ -147,6 +189,8 @@ fn one(
         cumulative: 0.0,
         table,
         launch,
+        aim: [-1.0, 1.0],
+        cumulative_aimed: 0.0,
     };
     Ok((led, radiance * per_radiance))
 }
@@ -179,4 +223,95 @@ fn tabulate(ies: &IesTable, cos_cutoff: f64) -> (Vec<[f64; 2]>, f64) {
         .collect();
     // The projected solid angle of the hemisphere is pi.
     (entries, PI * total / axis / (edge * edge))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::LoadedScene;
+    use crate::trace::Model;
+    use crate::trace::cpu::{End, Limits, Path};
+
+    const LAUNCHES: u32 = 1 << 16;
+
+    /// Three LEDs of different places and powers about a disc of contact that is not in the middle.
+    fn scene() -> LoadedScene {
+        let mut loaded = crate::scene::preset("contact-disc").unwrap();
+        loaded.scene.led.truncate(3);
+        for (k, led) in loaded.scene.led.iter_mut().enumerate() {
+            led.along_mm = 4.0 * k as f64 - 5.0;
+            led.radiance_w_per_m2_sr = Some(1.0 + k as f64);
+        }
+        loaded
+    }
+
+    fn model(loaded: &LoadedScene, center: [f64; 2]) -> Model<f64> {
+        let contact = crate::surface::contact_map(loaded)
+            .unwrap()
+            .map(|map| crate::surface::ContactMap { center_mm: center, ..map });
+        Model::new(loaded, &crate::surface::Surface::Flat, contact).unwrap()
+    }
+
+    /// Share of launches that are not astray.
+    fn towards(model: &Model<f64>, aimed: bool) -> f64 {
+        let mut path = Path::new(model, Limits::default());
+        path.aimed = aimed;
+        let hits = (0..LAUNCHES).filter(|&k| {
+            path.start_random(3, k, 0);
+            path.launch() == End::GoesOn && !path.astray()
+        });
+        hits.count() as f64 / f64::from(LAUNCHES)
+    }
+
+    /// All light that may meet the disc is aimed: the share of all launches is that of the aimed ones times what they stand for.
+    fn miss(model: &Model<f64>) -> f64 {
+        towards(model, true) * model.aimed_share / towards(model, false) - 1.0
+    }
+
+    #[test]
+    fn aimed_photons_stand_for_all_light_that_may_meet_tissue_and_for_no_other() {
+        let mut loaded = scene();
+        for center in [[0.0; 2], [3.0, -6.0], [-9.0, 2.0]] {
+            let model = model(&loaded, center);
+            assert!(
+                model.aimed_share < 0.6 && towards(&model, true) > 0.6,
+                "{} {}",
+                model.aimed_share,
+                towards(&model, true)
+            );
+            // 1/6 of 65,536 lattice points: random ones would leave 1.2 %.
+            assert!(miss(&model).abs() < 5e-3, "{center:?}: {}", miss(&model));
+            // Light between narrower sines misses some of the disc.
+            let mut narrow = model.clone();
+            narrow.leds.iter_mut().for_each(|led| led.aim[1] -= 0.2 * (led.aim[1] - led.aim[0]));
+            narrow.aimed_share *= 0.8;
+            assert!(miss(&narrow).abs() > 5e-3, "{center:?}: {}", miss(&narrow));
+        }
+        for led in &mut loaded.scene.led {
+            led.pattern = Pattern::CosinePower { half_power_deg: 40.0 };
+            led.cutoff_half_angle_deg = Some(50.0);
+        }
+        let model = model(&loaded, [3.0, -6.0]);
+        assert_eq!(model.aimed_share, 1.0);
+        assert!(miss(&model).abs() < 5e-3, "{}", miss(&model));
+    }
+
+    #[test]
+    fn aimed_light_is_lambertian_between_its_sines() {
+        // The square of the upward cosine of Lambertian light from a wall has a mean of 1/4, whatever part of the azimuth is seen.
+        let model = model(&scene(), [0.0; 2]);
+        let mut path = Path::new(&model, Limits::default());
+        path.aimed = true;
+        let (mut up_sq, mut count) = (0.0, 0.0);
+        for k in 0..LAUNCHES {
+            path.start_random(5, k, 0);
+            path.launch();
+            let n = model.layers[path.layer].n;
+            up_sq += (path.p.z / n).powi(2);
+            count += 1.0;
+            assert!((path.p.dot(path.p).sqrt() / n - 1.0).abs() < 1e-12);
+        }
+        assert!((up_sq / count - 0.25).abs() < 1e-3, "{}", up_sq / count);
+    }
 }

@@ -82,17 +82,36 @@ pub struct CapShape<T> {
     pub rim_sq: T,
 }
 
-/// Height fields of one grid.
+/// Height fields of one grid, or about one axis.
 #[derive(Debug, Clone)]
 pub struct FieldShape<T> {
-    /// Samples along x and y.
-    pub size: [usize; 2],
-    /// Samples per mm.
-    pub per_mm: [T; 2],
-    /// Control points of each field, (rows + 2) x (columns + 2), mm.
-    pub control: Vec<Vec<T>>,
+    /// Where the heights are.
+    pub heights: Heights<T>,
+    /// The axis, or the middle of the grid, mm.
+    pub center: [T; 2],
     /// Square of the radius of the zone within which the first bound on the second derivative holds, mm^2.
     pub zone_sq: T,
+}
+
+/// Heights of the fields.
+#[derive(Debug, Clone)]
+pub enum Heights<T> {
+    /// Over the plane.
+    Grid {
+        /// Samples along x and y.
+        size: [usize; 2],
+        /// Samples per mm.
+        per_mm: [T; 2],
+        /// Control points of each field, (rows + 2) x (columns + 2), mm.
+        control: Vec<Vec<T>>,
+    },
+    /// Over the distance to the axis.
+    Profile {
+        /// Cells per mm.
+        per_mm: T,
+        /// Coefficients of each field's cells, lowest power first, mm.
+        cells: Vec<Vec<[T; 4]>>,
+    },
 }
 
 /// Triangles and their tree.
@@ -181,6 +200,8 @@ pub struct Model<T> {
     pub unit_radiance: f64,
     /// Power of all LEDs in units of `unit_radiance` times mm^2.
     pub power: f64,
+    /// Share of that power that aimed photons stand for.
+    pub aimed_share: f64,
     /// Pieces that the kernels carry though the scene does not need them.
     pub spare: Vec<Spare>,
 }
@@ -231,9 +252,18 @@ impl Model<f64> {
                     rim_sq: of(c.rim_sq),
                 }),
                 Shape::Field(f) => Shape::Field(FieldShape {
-                    size: f.size,
-                    per_mm: pair(f.per_mm),
-                    control: f.control.iter().map(|c| c.iter().map(|&v| of(v)).collect()).collect(),
+                    heights: match &f.heights {
+                        Heights::Grid { size, per_mm, control } => Heights::Grid {
+                            size: *size,
+                            per_mm: pair(*per_mm),
+                            control: control.iter().map(|c| c.iter().map(|&v| of(v)).collect()).collect(),
+                        },
+                        Heights::Profile { per_mm, cells } => Heights::Profile {
+                            per_mm: of(*per_mm),
+                            cells: cells.iter().map(|c| c.iter().map(|cubic| cubic.map(T::of)).collect()).collect(),
+                        },
+                    },
+                    center: pair(f.center),
                     zone_sq: of(f.zone_sq),
                 }),
                 Shape::Mesh(m) => Shape::Mesh(MeshShape {
@@ -268,6 +298,7 @@ impl Model<f64> {
             map_size: self.map_size,
             unit_radiance: self.unit_radiance,
             power: self.power,
+            aimed_share: self.aimed_share,
             spare: self.spare.clone(),
         }
     }

@@ -2,6 +2,7 @@
 
 use super::backend::{Backend, BackendChoice, Precision, TraceError};
 use super::batch::{Batch, Observer, Pacer, Times, Totals, Work};
+use super::cpu::{Limits, Path};
 use super::exitance::{Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;
@@ -14,8 +15,13 @@ use std::time::Instant;
 pub const REPLICATES: u32 = 16;
 /// Most camera paths per pixel in a replicate: the film's sums hold 65,536 paths that each see the brightest LED.
 const REPLICATE_PATHS: u32 = 1 << 15;
-/// Photons of the ledger where the method sends none of its own.
+/// Photons of the ledger where the method sends none of its own or not all.
 const LEDGER_PHOTONS: u64 = 1 << 20;
+/// Fewest photons for a map or a splat, unless asked for fewer.
+const LEAST_PHOTONS: u64 = 1 << 20;
+/// Launches that tell how many photons may meet tissue, and the least share that is made up for.
+const LAUNCHES: u32 = 1 << 14;
+const LEAST_SHARE: f64 = 1.0 / 16.0;
 /// Most camera paths per pixel for an asked error.
 const MOST_SPP: u32 = 1 << 24;
 /// What is taken above the work that an error found asks for, and the most at once: a first error may be a poor guess.
@@ -35,7 +41,7 @@ pub struct Settings {
     pub integrator: Integrator,
     /// Camera paths per pixel; rounded up to whole replicates of at least one.
     pub spp: u32,
-    /// Photons; `None`: as many as camera paths, and at least 2^20.
+    /// Photons; `None`: as many that may meet tissue as camera paths, and at least 2^20.
     pub photons: Option<u64>,
     /// Budget of tracing time after compilation, seconds; replaces `spp`.
     pub seconds: Option<f64>,
@@ -153,7 +159,8 @@ fn once(
     settings: &Settings,
     observe: &mut dyn FnMut(Stage) -> bool,
 ) -> Result<Outcome, TraceError> {
-    let plan = Plan::choose(settings.integrator, &Kernel::of(model))?;
+    let kernel = Kernel::of(model);
+    let plan = Plan::choose(settings.integrator, &kernel)?;
     let start = Instant::now();
     let (mut backend, notice) = Backend::open(settings.backend, settings.precision, model)?;
     let mut batch = Batch {
@@ -171,7 +178,7 @@ fn once(
     };
     // A throw-away pilot of one path per pixel compiles the kernels and measures the machine.
     let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
-    let pilot = Work { spp: 1, photons: work.photons.min(pixels) };
+    let pilot = Work { spp: 1, photons: work.photons.min(with_astray(model, pixels)) };
     batch.replicate(u32::MAX, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| {
         observe(Stage { done: 0.0, what: "compiling kernels" })
     })?;
@@ -187,7 +194,7 @@ fn once(
         work = Work { spp: scale as u32, photons: (pilot.photons as f64 * scale) as u64 };
     }
     let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
-    let needs_ledger = batch.method == Method::Path;
+    let needs_ledger = batch.method == Method::Path || kernel.aimed;
     let mut gather = match batch.method {
         Method::Map => Some(Gather::collect(&mut batch, work, &mut |done| {
             observe(Stage { done: PHOTON_SHARE * done, what: "photons" })
@@ -300,7 +307,13 @@ impl Gather {
 
 fn photons(settings: &Settings, model: &Model<f64>, spp: u32) -> u64 {
     let paths = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]) * u64::from(spp);
-    settings.photons.unwrap_or_else(|| paths.max(LEDGER_PHOTONS))
+    settings.photons.unwrap_or_else(|| with_astray(model, paths.max(LEAST_PHOTONS)))
+}
+
+/// How many photons make so many that may meet tissue.
+fn with_astray(model: &Model<f64>, photons: u64) -> u64 {
+    let share = Path::new(model, Limits::default()).share_towards_tissue(LAUNCHES);
+    (photons as f64 / share.max(LEAST_SHARE)).ceil() as u64
 }
 
 /// Root-mean-square standard error over the lit pixels (above 0.3 of the 99th percentile), over their mean.

@@ -1,7 +1,7 @@
 //! From a validated scene to the tracer's model.
 
 use super::leds;
-use super::model::{Camera, CapShape, Face, FieldShape, Layer, MeshShape, Model, Shape, Tissue, Walls};
+use super::model::{Camera, CapShape, Face, FieldShape, Heights, Layer, MeshShape, Model, Shape, Tissue, Walls};
 use crate::optics::{fresnel, tissue};
 use crate::scene::{self, LoadedScene, Roughness};
 use crate::surface::zones::Zones;
@@ -17,16 +17,20 @@ impl Model<f64> {
         let heights = scene.stack.interface_heights_mm();
         let zones = match surface {
             Surface::Fields(fields) => Zones::of(&fields.iter().flatten().collect::<Vec<_>>()),
+            Surface::Profiles(profiles) => Zones::of(&profiles.iter().flatten().collect::<Vec<_>>()),
             _ => Zones::default(),
         };
         let (shape, shares) = shape(surface, heights.len(), &zones);
         let faces = faces(scene, surface, &layers, &heights, &shares, &zones);
-        let lit = leds::leds(loaded)?;
+        let mut lit = leds::leds(loaded)?;
         let n_top = layers[layers.len() - 2].n;
         let tissue = match (&scene.touch.contact, contact) {
             (Some(c), Some(map)) => Some(tissue_of(&c.tissue, map, n_top, n_0)),
             _ => None,
         };
+        let half_size = scene.stack.footprint_mm.map(|f| 0.5 * f);
+        let aimed_share =
+            tissue.as_ref().map_or(1.0, |t| leds::aim(&mut lit.leds, half_size, t.center, t.radius_sq.sqrt()));
         let texels = |extent: f64| ((extent / scene.render.map_texel_mm).round() as usize).max(2);
         let (walls, wall_reflectance) = match scene.stack.walls {
             scene::Walls::Black => (Walls::Black, 0.0),
@@ -34,7 +38,7 @@ impl Model<f64> {
             scene::Walls::Mirror { reflectance } => (Walls::Mirror, reflectance),
         };
         Ok(Self {
-            half_size: scene.stack.footprint_mm.map(|f| 0.5 * f),
+            half_size,
             surround_n: n_0,
             walls,
             wall_reflectance,
@@ -48,6 +52,7 @@ impl Model<f64> {
             map_size: scene.stack.footprint_mm.map(texels),
             unit_radiance: lit.unit_radiance,
             power: lit.power,
+            aimed_share,
             spare: Vec::new(),
         })
     }
@@ -64,7 +69,9 @@ fn layers(scene: &scene::Scene) -> Vec<Layer<f64>> {
 }
 
 fn shape(surface: &Surface, interfaces: usize, zones: &Zones) -> (Shape<f64>, Vec<f64>) {
-    let mut shares = vec![0.0; interfaces];
+    let mut shares: Vec<f64> = (0..interfaces).map(|i| f64::from(u8::from(surface.relief(i).is_some()))).collect();
+    let field =
+        |heights, center| Shape::Field(FieldShape { heights, center, zone_sq: zones.radius_mm * zones.radius_mm });
     let shape = match surface {
         Surface::Flat => Shape::Plane,
         Surface::Cap { cap, share } => {
@@ -77,16 +84,16 @@ fn shape(surface: &Surface, interfaces: usize, zones: &Zones) -> (Shape<f64>, Ve
             })
         }
         Surface::Fields(fields) => {
-            let mut control = Vec::new();
-            let (mut size, mut per_mm) = ([0, 0], [0.0; 2]);
-            for (share, field) in shares.iter_mut().zip(fields) {
-                if let Some(f) = field {
-                    *share = 1.0;
-                    (size, per_mm) = ([f.columns, f.rows], f.per_mm);
-                    control.push(f.control.clone());
-                }
-            }
-            Shape::Field(FieldShape { size, per_mm, control, zone_sq: zones.radius_mm * zones.radius_mm })
+            let fields = || fields.iter().flatten();
+            let (size, per_mm) = fields().next().map_or(([0; 2], [0.0; 2]), |f| ([f.columns, f.rows], f.per_mm));
+            let control = fields().map(|f| f.control.clone()).collect();
+            field(Heights::Grid { size, per_mm, control }, [0.0; 2])
+        }
+        Surface::Profiles(profiles) => {
+            let profiles = || profiles.iter().flatten();
+            let (per_mm, center) = profiles().next().map_or((0.0, [0.0; 2]), |p| (p.per_mm, p.center_mm));
+            let cells = profiles().map(|p| p.cells.clone()).collect();
+            field(Heights::Profile { per_mm, cells }, center)
         }
         Surface::Mesh(mesh) => {
             if let Some(last) = shares.last_mut() {
@@ -140,19 +147,18 @@ fn faces(
                 alpha,
                 kind,
             };
-            match surface {
-                Surface::Fields(fields) => {
-                    if let Some(Some(f)) = fields.get(i) {
-                        let [low, high] = f.range_mm();
-                        // A thousandth beyond, so that the slab holds the surface in f32 too.
-                        (face.low, face.high) = (low - 1e-3, high + 1e-3);
-                        face.curvature = zones.bounds.get(field).copied().unwrap_or_default();
-                        face.field = field;
-                        field += 1;
-                    }
-                }
-                Surface::Mesh(mesh) if share != 0.0 => (face.low, face.high) = (mesh.low_mm - z, mesh.high_mm - z),
-                _ => {}
+            if let Some(relief) = surface.relief(i) {
+                let [low, high] = relief.range_mm();
+                // A thousandth beyond, so that the slab holds the surface in f32 too.
+                (face.low, face.high) = (low - 1e-3, high + 1e-3);
+                face.curvature = zones.bounds.get(field).copied().unwrap_or_default();
+                face.field = field;
+                field += 1;
+            }
+            if let Surface::Mesh(mesh) = surface
+                && share != 0.0
+            {
+                (face.low, face.high) = (mesh.low_mm - z, mesh.high_mm - z);
             }
             face
         })

@@ -45,13 +45,18 @@ pub fn presets() -> Vec<Case> {
     PRESETS.iter().map(|(name, _)| Case::preset(name)).filter(|case| case.loaded.scene.press.is_none()).collect()
 }
 
-/// What the presets leave out: height fields, a mesh, mirrors, a lens, a tabulated LED, contact on a deformed face.
+/// What the presets leave out: height fields of both kinds, a mesh, mirrors, a lens, a tabulated LED, contact on a deformed face.
 pub fn variants() -> Vec<Case> {
     let dent = Shape::GaussianDent { depth_mm: 1.0, sigma_mm: 1.5, center_mm: [0.5, -1.0] };
     let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
     vec![
         Case::variant("gaussian-dent", "dent-cap", |s| {
             s.touch.shape = dent.clone();
+            s.touch.inner = Inner::Follow;
+        }),
+        Case::variant("height-map", "dent-cap", |s| {
+            std::fs::write(tmp.join("dent.csv"), dent_csv()).unwrap();
+            s.touch.shape = Shape::HeightMap { file: "dent.csv".into(), scale_mm: 1.0 };
             s.touch.inner = Inner::Follow;
         }),
         Case::variant("dent-contact", "press-hertz", |s| s.touch.shape = dent.clone()),
@@ -89,6 +94,14 @@ pub fn variants() -> Vec<Case> {
             ];
         }),
     ]
+}
+
+/// A dent that is not round: 97 x 65 heights over 30 x 30 mm.
+fn dent_csv() -> String {
+    let at = |k: u32, n: u32| 30.0 * (f64::from(k) / f64::from(n) - 0.5);
+    let height = |x: f64, y: f64| -(-(x * x + 2.0 * y * y) / 8.0).exp();
+    let row = |j: u32| (0..97).map(|i| height(at(i, 96), at(j, 64)).to_string()).collect::<Vec<_>>().join(",");
+    (0..65).map(|j| row(j) + "\n").collect()
 }
 
 /// The touched face of `dent-cap`, 12 mm up, with a dent, as 32 x 32 squares of two triangles.

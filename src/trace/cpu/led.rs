@@ -103,7 +103,8 @@ impl<T: Real> Path<'_, T> {
         let (zero, one) = (T::zero(), T::one());
         let pick = self.even_draw(1);
         let leds = &self.model.leds;
-        let k = leds.iter().position(|l| pick < l.cumulative).unwrap_or(leds.len() - 1);
+        let share = |l: &Led<T>| if self.aimed { l.cumulative_aimed } else { l.cumulative };
+        let k = leds.iter().position(|l| pick < share(l)).unwrap_or(leds.len() - 1);
         let led = &leds[k];
         let r = led.radius * self.even_draw(761_135).sqrt();
         let turn = T::of(TAU) * self.even_draw(257_481);
@@ -113,8 +114,17 @@ impl<T: Real> Path<'_, T> {
         let out: V3<T> = wall_axis(led.wall);
         let x_wall = led.wall < 2;
         let tangent = if x_wall { v3(zero, one, zero) } else { v3(one, zero, zero) };
-        let across = tangent * azimuth.sin() + V3::up() * azimuth.cos();
-        let d = across * sin_sq.sqrt() - out * (one - sin_sq).max(zero).sqrt();
+        let s = sin_sq.sqrt();
+        let (mut aside, up) = (s * azimuth.sin(), s * azimuth.cos());
+        let mut inward_sq = one - sin_sq;
+        if self.aimed {
+            let level_sq = (one - up * up).max(zero);
+            let level = level_sq.sqrt();
+            let [low, high] = led.aim;
+            aside = low * level + T::of(0.5) * (high - low) * (aside + level);
+            inward_sq = level_sq - aside * aside;
+        }
+        let d = tangent * aside + V3::up() * up - out * inward_sq.max(zero).sqrt();
         self.weight = one;
         self.bounces = 0;
         self.wall = led.wall;

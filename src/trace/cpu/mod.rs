@@ -42,6 +42,8 @@ pub enum End {
     Cap = 8,
     /// No surface was found: an error.
     Lost = 9,
+    /// An aimed photon that can meet tissue no more.
+    Astray = 10,
 }
 
 /// Slots of the flux ledger. Numbers as in `scene.wgsl`.
@@ -123,6 +125,8 @@ pub struct Path<'m, T: Real> {
     pub seed: u32,
     /// Whether it comes from the camera and ends at tissue.
     pub eye: bool,
+    /// Whether it is a photon that ends where it can meet tissue no more.
+    pub aimed: bool,
     /// Interactions.
     pub bounces: u32,
     /// Wall it met: 0 +x, 1 -x, 2 +y, 3 -y.
@@ -162,6 +166,7 @@ impl<'m, T: Real> Path<'m, T> {
             draws: 0,
             place: 0,
             eye: false,
+            aimed: false,
             seed: 0,
             bounces: 0,
             wall: 0,

@@ -43,9 +43,14 @@ pub fn send<T: Real>(
 impl<T: Real> Path<'_, T> {
     /// Sends one photon and books its fate.
     pub fn photon(&mut self, seed: u32, thread: u32, sample: u32) {
+        self.aimed = self.kernel.aimed && self.deposits.is_some();
         self.start_random(seed, thread, sample);
         let mut end = self.launch();
         self.tally[book::EMITTED] += units(T::one());
+        if self.aimed && end == End::GoesOn && self.astray() {
+            self.record(1000 + End::Astray as u32, T::one());
+            return;
+        }
         while end == End::GoesOn {
             end = self.walk();
             if end == End::Touch {
@@ -67,6 +72,19 @@ impl<T: Real> Path<'_, T> {
             _ => book::ABSORBED,
         };
         self.tally[slot] += units(self.weight);
+    }
+
+    /// Share of aimed photons that may meet tissue, from the first `count`; 1 where photons are not aimed.
+    pub fn share_towards_tissue(&mut self, count: u32) -> f64 {
+        if !self.kernel.aimed || count == 0 {
+            return 1.0;
+        }
+        self.aimed = true;
+        let towards = (0..count).filter(|&k| {
+            self.start_random(0, k, 0);
+            self.launch() == End::GoesOn && !self.astray()
+        });
+        towards.count() as f64 / f64::from(count)
     }
 
     fn enters_lens(&self) -> bool {

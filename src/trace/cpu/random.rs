@@ -17,6 +17,11 @@ pub fn pcg3d(v: [u32; 3]) -> [u32; 3] {
     v
 }
 
+/// Shift of the launch's lattice along the coordinate with generator `z`, in units of 2^-32.
+pub fn shift(seed: u32, z: u32) -> u32 {
+    pcg3d([seed, z, 0x6c61_7474])[0]
+}
+
 impl<T: Real> Path<'_, T> {
     /// Starts the random numbers of path (a, b) of a seed.
     pub fn start_random(&mut self, seed: u32, a: u32, b: u32) {
@@ -30,7 +35,7 @@ impl<T: Real> Path<'_, T> {
     /// Uniform in [0, 1), 24 bits, and even over the paths of a seed: the coordinate with generator `z` of a rank-1 lattice
     /// sequence with a random shift. Paths (a, b) are numbered a + 2^14 b.
     pub fn even_draw(&mut self, z: u32) -> T {
-        let h = self.place.wrapping_mul(z).wrapping_add(pcg3d([self.seed, z, 0x6c61_7474])[0]);
+        let h = self.place.wrapping_mul(z).wrapping_add(shift(self.seed, z));
         T::of(f64::from(h >> 8) * 5.960_464_477_539_063e-8)
     }
 

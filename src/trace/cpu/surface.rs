@@ -2,7 +2,7 @@
 
 use super::Path;
 use super::vec3::{V3, v3};
-use crate::trace::model::{CapShape, FieldShape, MeshShape, Real, Shape};
+use crate::trace::model::{CapShape, FieldShape, Heights, MeshShape, Real, Shape};
 
 /// Further than anything.
 pub fn far<T: Real>() -> T {
@@ -97,16 +97,21 @@ impl<T: Real> Path<'_, T> {
     }
 
     fn field_at(&self, field: &FieldShape<T>, i: usize, x: T, y: T) -> [T; 3] {
-        let [columns, rows] = field.size;
-        let gx = (x + self.model.half_size[0]) * field.per_mm[0];
-        let gy = (y + self.model.half_size[1]) * field.per_mm[1];
+        let ([columns, rows], per_mm, control) = match &field.heights {
+            Heights::Grid { size, per_mm, control } => (*size, *per_mm, &control[self.model.faces[i].field]),
+            Heights::Profile { per_mm, cells } => {
+                let d = [x - field.center[0], y - field.center[1]];
+                return profile_at(&cells[self.model.faces[i].field], *per_mm, d);
+            }
+        };
+        let gx = (x + self.model.half_size[0]) * per_mm[0];
+        let gy = (y + self.model.half_size[1]) * per_mm[1];
         let clamp = |v: T, hi: T| v.max(T::zero()).min(hi);
         let cx = clamp(gx.floor(), c((columns - 2) as f64));
         let cy = clamp(gy.floor(), c((rows - 2) as f64));
         let ux = clamp(gx - cx, T::one());
         let uy = clamp(gy - cy, T::one());
         let (wx, dx, wy, dy) = (weights(ux), slopes(ux), weights(uy), slopes(uy));
-        let control = &field.control[self.model.faces[i].field];
         let (cx, cy) = (cx.to_usize().unwrap_or(0), cy.to_usize().unwrap_or(0));
         let dot = |a: &[T], b: [T; 4]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
         let mut values = [T::zero(); 4];
@@ -117,7 +122,7 @@ impl<T: Real> Path<'_, T> {
             values[j] = dot(row, wx);
             along[j] = dot(row, dx);
         }
-        [dot(&values, wy), dot(&along, wy) * field.per_mm[0], dot(&values, dy) * field.per_mm[1]]
+        [dot(&values, wy), dot(&along, wy) * per_mm[0], dot(&values, dy) * per_mm[1]]
     }
 
     fn field_cross(&mut self, field: &FieldShape<T>, i: usize, o: V3<T>, p: V3<T>, side: T, t_max: T) -> T {
@@ -133,8 +138,9 @@ impl<T: Real> Path<'_, T> {
         let mut t = if outside { (near - zeta) / p.z } else { zero };
         // Where along the ray the zone lies in which the field bends otherwise.
         let across = p.x * p.x + p.y * p.y;
-        let half = o.x * p.x + o.y * p.y;
-        let root_sq = half * half - across * (o.x * o.x + o.y * o.y - field.zone_sq);
+        let (off_x, off_y) = (o.x - field.center[0], o.y - field.center[1]);
+        let half = off_x * p.x + off_y * p.y;
+        let root_sq = half * half - across * (off_x * off_x + off_y * off_y - field.zone_sq);
         let crosses = root_sq > zero && across > zero;
         let root = root_sq.max(zero).sqrt();
         let (enters, leaves) =
@@ -219,6 +225,18 @@ impl<T: Real> Path<'_, T> {
         }
         found
     }
+}
+
+/// Displacement and its gradient at `d` from the axis.
+fn profile_at<T: Real>(cells: &[[T; 4]], per_mm: T, d: [T; 2]) -> [T; 3] {
+    let r = (d[0] * d[0] + d[1] * d[1]).sqrt();
+    let g = r * per_mm;
+    let cell = g.floor().min(c((cells.len() - 1) as f64));
+    let u = (g - cell).min(T::one());
+    let [a, b, e, f] = cells[cell.to_usize().unwrap_or(0)];
+    let height = a + u * (b + u * (e + u * f));
+    let slope = (b + u * (c::<T>(2.0) * e + u * c(3.0) * f)) * per_mm / r.max(c(1e-30));
+    [height, slope * d[0], slope * d[1]]
 }
 
 fn weights<T: Real>(u: T) -> [T; 4] {

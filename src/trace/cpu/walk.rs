@@ -104,6 +104,18 @@ impl<T: Real> Path<'_, T> {
         End::GoesOn
     }
 
+    /// No tissue here, and none ahead, seen from above.
+    pub(in crate::trace) fn astray(&self) -> bool {
+        let Some(tissue) = self.model.tissue.as_ref() else {
+            return false;
+        };
+        let (x, y) = (self.o.x - tissue.center[0], self.o.y - tissue.center[1]);
+        let along = x * self.p.x + y * self.p.y;
+        let beyond = x * x + y * y - tissue.radius_sq;
+        let far = along * along < beyond * (self.p.x * self.p.x + self.p.y * self.p.y);
+        beyond > T::zero() && (along >= T::zero() || far)
+    }
+
     fn absorb(&mut self, length: T) {
         let before = self.weight;
         self.weight = before * (-self.model.layers[self.layer].absorption * length).exp();
@@ -179,6 +191,9 @@ impl<T: Real> Path<'_, T> {
         let ended = self.roulette();
         if ended != End::GoesOn {
             return ended;
+        }
+        if self.aimed && self.astray() {
+            return End::Astray;
         }
         self.tally[book::SEGMENTS] += 1;
         let (o, p) = (self.o, self.p);

@@ -3,6 +3,7 @@
 //! | piece | taken where |
 //! |---|---|
 //! | `surface_plane`, `_cap`, `_field`, `_mesh` | one of them, by the shape of the deformed interfaces |
+//! | `field_grid` or `field_profile` | height fields over the plane or about an axis |
 //! | `smooth` or `rough` | some interface is rough |
 //! | `touch_none`, or `touch` with `touch_camera` or `touch_photons` | tissue touches |
 //! | `record_none` or `record` | event histories are wanted (tests) |
@@ -11,7 +12,8 @@
 
 use crate::trace::backend::{CameraMode, PhotonMode};
 use crate::trace::kernel::{Kernel, ShapePiece};
-use crate::trace::model::{Face, Layer, Model, Shape};
+use crate::trace::leds::Led;
+use crate::trace::model::{Face, Heights, Layer, Model, Shape};
 
 macro_rules! piece {
     ($name:literal) => {
@@ -41,8 +43,13 @@ pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> String {
         match kernel.shape {
             ShapePiece::Plane => piece!("lib/surface_plane"),
             ShapePiece::Cap => piece!("lib/surface_cap"),
-            ShapePiece::Field => piece!("lib/surface_field"),
+            ShapePiece::Field | ShapePiece::Profile => piece!("lib/surface_field"),
             ShapePiece::Mesh => piece!("lib/surface_mesh"),
+        },
+        match kernel.shape {
+            ShapePiece::Field => piece!("lib/field_grid"),
+            ShapePiece::Profile => piece!("lib/field_profile"),
+            _ => "",
         },
         if kernel.rough { piece!("lib/rough") } else { piece!("lib/smooth") },
         piece!("lib/led"),
@@ -65,10 +72,13 @@ pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> String {
     pieces.concat()
 }
 
-/// Functions `layer_FIELD(k)` and `face_FIELD(i)` with the scene's numbers: chains of selects over constants.
+/// Functions `layer_FIELD(k)`, `face_FIELD(i)` and `lamp_FIELD(k)` with the scene's numbers: chains of selects over constants.
 fn accessors(model: &Model<f32>) -> String {
-    let control_rows = match &model.shape {
-        Shape::Field(f) => (f.size[0] - 1) * (f.size[1] + 2),
+    let field_vectors = match &model.shape {
+        Shape::Field(f) => match &f.heights {
+            Heights::Grid { size, .. } => (size[0] - 1) * (size[1] + 2),
+            Heights::Profile { cells, .. } => cells.first().map_or(0, Vec::len),
+        },
         _ => 0,
     };
     let mut text = String::new();
@@ -91,9 +101,29 @@ fn accessors(model: &Model<f32>) -> String {
     float("face_high", face(|f| f.high));
     float("face_rough", face(|f| f.rough));
     float("face_alpha", face(|f| f.alpha));
+    let led = |get: fn(&Led<f32>) -> f32| model.leds.iter().map(get).collect();
+    float("lamp_along", led(|l| l.along));
+    float("lamp_height", led(|l| l.height));
+    float("lamp_radius", led(|l| l.radius));
+    float("lamp_gap", led(|l| l.gap));
+    float("lamp_radiance", led(|l| l.radiance));
+    float("lamp_exponent", led(|l| l.exponent));
+    float("lamp_cos_cutoff", led(|l| l.cos_cutoff));
+    float("lamp_launch", led(|l| l.launch));
+    float("lamp_aim_low", led(|l| l.aim[0]));
+    float("lamp_aim_high", led(|l| l.aim[1]));
     let word = |v: usize| format!("{v}u");
+    accessor(&mut text, "lamp_wall", "u32", model.leds.iter().map(|l| word(l.wall as usize)));
+    accessor(&mut text, "lamp_air", "u32", model.leds.iter().map(|l| word(usize::from(l.air))));
+    accessor(&mut text, "lamp_table", "u32", model.leds.iter().map(|l| word(l.table.unwrap_or(u32::MAX as usize))));
+    let mut picked = |name: &str, cumulative: fn(&Led<f32>) -> f32| {
+        let past = model.leds.iter().rev().skip(1).map(|l| format!(" + select(0u, 1u, u >= f32({:?}))", cumulative(l)));
+        text.push_str(&format!("fn {name}(u: f32) -> u32 {{ return 0u{}; }}\n", past.collect::<String>()));
+    };
+    picked("lamp_picked", |l| l.cumulative);
+    picked("lamp_picked_aimed", |l| l.cumulative_aimed);
     accessor(&mut text, "face_kind", "u32", model.faces.iter().map(|f| word(f.kind as usize)));
-    accessor(&mut text, "face_field", "u32", model.faces.iter().map(|f| word(f.field * control_rows)));
+    accessor(&mut text, "face_field", "u32", model.faces.iter().map(|f| word(f.field * field_vectors)));
     text
 }
 
@@ -133,9 +163,11 @@ pub fn constants(kernel: &Kernel, entry: Entry) -> Vec<(&'static str, f64)> {
             let eye = mapped || !kernel.touched;
             constants.extend([("EYE", eye), ("MAPPED", mapped), ("COMPLEMENT", complement)]);
         }
-        Entry::Photons(mode) => {
-            constants.extend([("MAPPED", mode == PhotonMode::Map), ("SPLATTED", mode == PhotonMode::Splat)])
-        }
+        Entry::Photons(mode) => constants.extend([
+            ("MAPPED", mode == PhotonMode::Map),
+            ("SPLATTED", mode == PhotonMode::Splat),
+            ("AIMED", kernel.aimed && mode != PhotonMode::Ledger),
+        ]),
     }
     constants.into_iter().map(|(name, on)| (name, f64::from(u8::from(on)))).collect()
 }

@@ -1,11 +1,8 @@
-//! The uniforms of the shaders, member for member as in `scene.wgsl` and `led.wgsl`; a test holds them to naga's offsets.
+//! The uniforms of the shaders, member for member as in `scene.wgsl`; a test holds them to naga's offsets.
 
-use crate::trace::leds;
-use crate::trace::model::{Model, Shape};
+use crate::trace::cpu::random::shift;
+use crate::trace::model::{Heights, Model, Shape};
 use bytemuck::{Pod, Zeroable};
-
-/// Most LEDs (`array<Led, 64>`).
-pub const LEDS: usize = 64;
 
 macro_rules! uniform {
     ($(#[$doc:meta])* $name:ident { $($field:ident: $kind:ty),* $(,)? }) => {
@@ -36,20 +33,36 @@ uniform! {
         field_size: [u32; 2], field_scale: [f32; 2],
         image_size: [u32; 2], pixel_tan: f32, camera_distance: f32,
         lens_radius: f32, focus_distance: f32, tissue_dn_sq: f32, gap_dn_sq: f32,
-        field_zone_sq: f32, pad: u32,
+        field_center: [f32; 2], field_zone_sq: f32, pad: u32,
     }
 }
 
 uniform! {
     /// `Run` of `scene.wgsl`.
-    Run { seed: u32, first: u32, count: u32, samples: u32, first_sample: u32, pad0: u32, pad1: u32, pad2: u32 }
+    Run {
+        seed: u32, first: u32, count: u32, samples: u32, first_sample: u32,
+        shift_led: u32, shift_radius: u32, shift_turn: u32, shift_polar: u32, shift_azimuth: u32, shift_side: u32,
+        pad: u32,
+    }
 }
 
-uniform! {
-    /// `Led` of `led.wgsl`.
-    Led {
-        wall: u32, air: u32, along: f32, height: f32, radius: f32, gap: f32, radiance: f32, exponent: f32,
-        cos_cutoff: f32, cumulative: f32, table: u32, launch: f32,
+impl Run {
+    /// Numbers of a submission, with the shifts of its seed's lattice.
+    pub fn of(seed: u32, [first, count]: [u32; 2], [first_sample, samples]: [u32; 2]) -> Self {
+        Self {
+            seed,
+            first,
+            count,
+            samples,
+            first_sample,
+            shift_led: shift(seed, 1),
+            shift_radius: shift(seed, 761_135),
+            shift_turn: shift(seed, 257_481),
+            shift_polar: shift(seed, 617_715),
+            shift_azimuth: shift(seed, 488_567),
+            shift_side: shift(seed, 94_035),
+            pad: 0,
+        }
     }
 }
 
@@ -89,40 +102,28 @@ pub fn scene(m: &Model<f32>) -> Scene {
             (out.cap_center, out.cap_rim_sq) = (c.center, c.rim_sq);
         }
         Shape::Field(f) => {
-            (out.field_size, out.field_scale, out.field_zone_sq) = (size(f.size), f.per_mm, f.zone_sq);
+            (out.field_center, out.field_zone_sq) = (f.center, f.zone_sq);
+            (out.field_size, out.field_scale) = match &f.heights {
+                Heights::Grid { size: points, per_mm, .. } => (size(*points), *per_mm),
+                Heights::Profile { per_mm, cells } => (size([cells.first().map_or(0, Vec::len), 1]), [*per_mm; 2]),
+            };
         }
         Shape::Plane | Shape::Mesh(_) => {}
     }
     out
 }
 
-/// The LEDs of a model, padded.
-pub fn leds(m: &Model<f32>) -> [Led; LEDS] {
-    padded(m.leds.iter().map(|l: &leds::Led<f32>| Led {
-        wall: l.wall,
-        air: u32::from(l.air),
-        along: l.along,
-        height: l.height,
-        radius: l.radius,
-        gap: l.gap,
-        radiance: l.radiance,
-        exponent: l.exponent,
-        cos_cutoff: l.cos_cutoff,
-        cumulative: l.cumulative,
-        table: l.table.map_or(u32::MAX, |t| t as u32),
-        launch: l.launch,
-    }))
-}
-
 /// The deformed shape: words of bindings 8 and 9 of the surface pieces.
 pub fn shape(m: &Model<f32>) -> (Vec<f32>, Vec<f32>) {
     match &m.shape {
         Shape::Plane | Shape::Cap(_) => (Vec::new(), Vec::new()),
-        Shape::Field(f) => {
-            let width = f.size[0] + 2;
-            let rows = f.control.iter().flat_map(|c| c.chunks(width));
-            (rows.flat_map(|row| row.windows(4).flatten().copied()).collect(), Vec::new())
-        }
+        Shape::Field(f) => match &f.heights {
+            Heights::Grid { size, control, .. } => {
+                let rows = control.iter().flat_map(|c| c.chunks(size[0] + 2));
+                (rows.flat_map(|row| row.windows(4).flatten().copied()).collect(), Vec::new())
+            }
+            Heights::Profile { cells, .. } => (cells.iter().flatten().flatten().copied().collect(), Vec::new()),
+        },
         Shape::Mesh(mesh) => {
             let word = f32::from_bits;
             let node = |n: &crate::surface::mesh::Node| {
@@ -134,12 +135,6 @@ pub fn shape(m: &Model<f32>) -> (Vec<f32>, Vec<f32>) {
             (mesh.nodes.iter().flat_map(node).collect(), points.flat_map(|p| [p[0], p[1], p[2], 0.0]).collect())
         }
     }
-}
-
-fn padded<T: Default + Copy, const N: usize>(items: impl Iterator<Item = T>) -> [T; N] {
-    let mut out = [T::default(); N];
-    out.iter_mut().zip(items).for_each(|(slot, item)| *slot = item);
-    out
 }
 
 #[cfg(test)]
@@ -168,6 +163,5 @@ mod tests {
         };
         check("Scene", Scene::members(), size_of::<Scene>());
         check("Run", Run::members(), size_of::<Run>());
-        check("Led", Led::members(), size_of::<Led>());
     }
 }

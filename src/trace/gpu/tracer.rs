@@ -29,7 +29,6 @@ pub struct GpuTracer {
     model: Model<f32>,
     run: wgpu::Buffer,
     scene: wgpu::Buffer,
-    leds: wgpu::Buffer,
     led_tables: wgpu::Buffer,
     surface: [wgpu::Buffer; 2],
     share: wgpu::Buffer,
@@ -63,7 +62,6 @@ impl GpuTracer {
         Ok(Self {
             run: gpu.buffer("run", size_of::<layout::Run>() as u64, Usage::UNIFORM)?,
             scene: uniform("scene", bytemuck::bytes_of(&layout::scene(&model)))?,
-            leds: uniform("LEDs", bytemuck::cast_slice(&layout::leds(&model)))?,
             led_tables: storage("LED tables", &tables)?,
             surface: [storage("surface", &surface_a)?, storage("triangles", &surface_b)?],
             share: storage("contact share", grid)?,
@@ -162,13 +160,8 @@ impl GpuTracer {
         let uniform = wgpu::BufferBindingType::Uniform;
         let read = wgpu::BufferBindingType::Storage { read_only: true };
         let write = wgpu::BufferBindingType::Storage { read_only: false };
-        let mut out = vec![
-            (0, &self.scene, uniform),
-            (1, &self.run, uniform),
-            (4, &self.leds, uniform),
-            (5, &self.led_tables, read),
-        ];
-        if matches!(self.kernel.shape, ShapePiece::Field | ShapePiece::Mesh) {
+        let mut out = vec![(0, &self.scene, uniform), (1, &self.run, uniform), (5, &self.led_tables, read)];
+        if self.kernel.has_fields() || self.kernel.shape == ShapePiece::Mesh {
             out.push((8, &self.surface[0], read));
         }
         if self.kernel.shape == ShapePiece::Mesh {
@@ -242,7 +235,7 @@ impl GpuTracer {
         self.prepare(entry)?;
         self.sent[0] += u64::from(count) * u64::from(samples);
         for (first_sample, samples) in portions(first_sample, samples) {
-            let run = layout::Run { seed, first, count, samples, first_sample, ..Default::default() };
+            let run = layout::Run::of(seed, [first, count], [first_sample, samples]);
             self.dispatch(entry, run, count)?;
         }
         Ok(())
@@ -286,7 +279,7 @@ impl GpuTracer {
         self.prepare(entry)?;
         self.sent[1] += u64::from(threads) * u64::from(samples);
         for (first_sample, samples) in portions(first_sample, samples) {
-            let run = layout::Run { seed, count: threads, samples, first_sample, ..Default::default() };
+            let run = layout::Run::of(seed, [0, threads], [first_sample, samples]);
             self.dispatch(entry, run, threads)?;
         }
         Ok(())
