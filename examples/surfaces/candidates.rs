@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use tirtouch::scene::{LoadedScene, preset};
-use tirtouch::surface::{Cap, HeightField, Mesh, Surface};
+use tirtouch::surface::{Cap, HeightField, Mesh, Profile, Surface};
 use tirtouch::trace::Model;
 
 /// A dent in closed form, 1 mm deep.
@@ -66,6 +66,8 @@ pub fn candidates(dent: &Dent) -> Result<Vec<Candidate>> {
         Some(_) => vec![("height field, 1024 points".to_owned(), field(&loaded, dent, 1024)?)],
     };
     for points in [64, 128, 256, 512] {
+        let name = format!("height field about an axis, {points} points");
+        surfaces.push((name, profile(&loaded, dent, points)?));
         surfaces.push((format!("height field, {points} points"), field(&loaded, dent, points)?));
     }
     for (smooth, name) in [(true, "smooth"), (false, "flat")] {
@@ -84,6 +86,14 @@ fn field(loaded: &LoadedScene, dent: &Dent, points: usize) -> Result<Surface> {
     let mut fields = vec![None; loaded.scene.stack.interface_heights_mm().len() - 1];
     fields.push(Some(field));
     Ok(Surface::Fields(fields))
+}
+
+fn profile(loaded: &LoadedScene, dent: &Dent, points: usize) -> Result<Surface> {
+    let profile = Profile::sample(points, loaded.scene.stack.footprint_mm, [0.0; 2], |r| dent.height(r, 0.0)[0])
+        .context("too few points")?;
+    let mut profiles = vec![None; loaded.scene.stack.interface_heights_mm().len() - 1];
+    profiles.push(Some(profile));
+    Ok(Surface::Profiles(profiles))
 }
 
 /// Two triangles for each cell of a lattice over the footprint.

@@ -61,6 +61,7 @@ fn photons(@builtin(global_invocation_id) id: vec3u) {
         close(end);
     }
     for (var b = 0u; b < 10u; b += 1u) {
+        if (tally[b] == 0) { continue; }
         // Signed amounts in two's complement over 64 bits.
         let low = u32(tally[b]);
         let old = atomicAdd(&ledger[2u * b], low);

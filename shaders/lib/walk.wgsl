@@ -62,13 +62,13 @@ fn meet(i: u32, normal: vec3f, side: f32) -> bool {
     let b = sqrt(b_sq);
     let r = fresnel(a, b, n_sq, n_sq + dn_sq);
     let u = draw();
-    // Nothing shines below or above the stack: a path from the camera goes on with what the outer faces mirror. Only out of a
-    // dent may it come back.
+    // Nothing shines below or above the stack: a path from the camera goes on with what the outer faces mirror. Only where it
+    // may come back, half of the paths leave.
     var chance = r;
     if (EYE) {
         let top = i == scene.layer_count && side > 0.0;
         let even = !(ROUGH && face_kind(i) != 0u);
-        if (even && (top || i == 0u && side < 0.0)) { chance = select(1.0, max(r, 0.5), top && face_share(i) != 0.0); }
+        if (even && (top || i == 0u && side < 0.0)) { chance = select(1.0, max(r, 0.5), top && !leaves_for_good(path.p + (b - a) * m)); }
     }
     if (u < chance) {
         if (EYE) { path.weight *= r / chance; }
@@ -81,6 +81,12 @@ fn meet(i: u32, normal: vec3f, side: f32) -> bool {
     record(i * 4u + 2u, u - chance);
     refract_through(i, normal, m, side, a, b);
     return true;
+}
+
+// Whether a path above the touched face rises faster than that face does anywhere.
+fn leaves_for_good(p: vec3f) -> bool {
+    let slope = face_slope(scene.layer_count);
+    return p.z > 0.0 && p.z * p.z >= slope * slope * dot(p.xy, p.xy);
 }
 
 fn mirror(m: vec3f) { path.p -= 2.0 * dot(path.p, m) * m; }
@@ -196,7 +202,7 @@ fn step(curved: bool) -> u32 {
     if (meet(i, normal, side)) {
         path.layer = u32(i32(path.layer) + i32(side));
         if (path.layer == 0u) { return END_BOTTOM; }
-        if (!DEFORMED && path.layer > top) { return END_TOP; }
+        if (path.layer > top && leaves_for_good(path.p)) { return END_TOP; }
     } else if (ROUGH && path.weight == 0.0) {
         return END_ABSORBED;
     }

@@ -34,6 +34,9 @@ pub(super) fn facts(shot: &Shot) -> Vec<(String, String)> {
     ]
 }
 
+/// Edge of the blocks whose error is told beside that of a pixel.
+const AREA_PIXELS: u32 = 16;
+
 /// Mean radiance with its error, or how dark a dark image is.
 pub(super) fn mean_radiance(shot: &Shot) -> String {
     let outcome = &shot.outcome;
@@ -41,11 +44,18 @@ pub(super) fn mean_radiance(shot: &Shot) -> String {
         (Some(bound), _) => {
             format!("0: no path found light (below {} W/(m^2 sr) with 95 % confidence)", figure(bound))
         }
-        (None, Some(error)) => format!(
-            "{} W/(m^2 sr); relative error of a lit pixel {} %",
-            figure(outcome.mean_radiance),
-            figure(100.0 * error)
-        ),
+        (None, Some(error)) => {
+            let blocks = outcome.block_errors().into_iter().find(|(edge, _)| *edge == AREA_PIXELS);
+            let area = blocks.and_then(|(edge, error)| {
+                error.map(|error| format!(", of {edge} x {edge} pixels {} %", figure(100.0 * error)))
+            });
+            format!(
+                "{} W/(m^2 sr); relative error of a lit pixel {} %{}",
+                figure(outcome.mean_radiance),
+                figure(100.0 * error),
+                area.unwrap_or_default()
+            )
+        }
         (None, None) => format!("{} W/(m^2 sr)", figure(outcome.mean_radiance)),
     }
 }

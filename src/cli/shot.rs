@@ -146,6 +146,10 @@ impl<'a> Shot<'a> {
             Some(bound) => json!(bound),
             None => json!({"undefined": "the image is not dark"}),
         };
+        let block = |(edge, error): (u32, Option<f64>)| {
+            let relative = error.map_or_else(|| json!({"undefined": "the image is dark"}), |error| json!(error));
+            json!({"edge_pixels": edge, "relative_error": relative})
+        };
         let object = json!({
             "scene": self.job.scene().name,
             "backend": outcome.backend,
@@ -166,6 +170,7 @@ impl<'a> Shot<'a> {
             "segments_per_second": segments_per_second(outcome),
             "mean_radiance": outcome.mean_radiance,
             "relative_error": relative,
+            "block_errors": outcome.block_errors().into_iter().map(block).collect::<Vec<_>>(),
             "absolute_error": self.absolute_error(),
             "mean_radiance_below": below,
             "ledger": outcome.ledger,

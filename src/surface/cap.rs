@@ -17,6 +17,12 @@ impl Cap {
         (self.rim_mm * self.rim_mm + self.depth_mm * self.depth_mm) / (2.0 * self.depth_mm)
     }
 
+    /// Slope at the rim, where it is steepest; infinite from a hemisphere on.
+    pub fn steepest(&self) -> f64 {
+        let above = self.ball_radius_mm() - self.depth_mm;
+        if above > 0.0 { self.rim_mm / above } else { f64::INFINITY }
+    }
+
     /// Displacement of the touched face, mm (zero or negative).
     pub fn height_mm(&self, x: f64, y: f64) -> f64 {
         let (dx, dy) = (x - self.center_mm[0], y - self.center_mm[1]);

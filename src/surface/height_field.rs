@@ -84,6 +84,18 @@ impl Relief for HeightField {
         [fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max)]
     }
 
+    /// Along either axis the derivative is a convex combination of first differences.
+    fn steepest(&self) -> f64 {
+        let width = self.columns + 2;
+        let largest = |step: usize, per_mm: f64| {
+            let pairs = self.control.iter().zip(&self.control[step..]).enumerate();
+            // A row's last point is no neighbour of the next row's first.
+            let within = pairs.filter(|(k, _)| step > 1 || (k + 1) % width != 0);
+            within.map(|(_, (a, b))| (b - a).abs() * per_mm).fold(0.0, f64::max)
+        };
+        largest(1, self.per_mm[0]).hypot(largest(width, self.per_mm[1]))
+    }
+
     /// In a cell the second derivatives are convex combinations of second differences of its 4 x 4 control points; the
     /// bound is the largest norm of such a Hessian.
     fn bends(&self) -> Vec<Bend> {
@@ -208,17 +220,20 @@ mod tests {
     }
 
     #[test]
-    fn second_derivative_never_exceeds_its_bound() {
+    fn slope_and_second_derivative_never_exceed_their_bounds() {
         let field = HeightField::sample(65, [30.0, 30.0], bump).unwrap();
         let bound = field.bends().iter().map(|bend| bend.bound).fold(0.0, f64::max);
-        let mut largest = 0.0f64;
+        let (mut largest, mut steepest) = (0.0f64, 0.0f64);
         for k in 0..4000 {
             let (x, y) = (0.0173 * k as f64 % 24.0 - 12.0, 0.0531 * k as f64 % 24.0 - 12.0);
             let (c, s) = ((k as f64).cos(), (k as f64).sin());
             let e = 1e-4;
             let h = |t: f64| field.at(x + t * c, y + t * s)[0];
+            let [_, along, across] = field.at(x, y);
+            steepest = steepest.max(along.hypot(across));
             largest = largest.max(((h(e) - 2.0 * h(0.0) + h(-e)) / (e * e)).abs());
         }
+        assert!(steepest <= field.steepest() && steepest > 0.5 * field.steepest(), "{steepest}");
         // 1e-6 covers the rounding of the difference quotient; the bound is attained within a small factor.
         assert!(largest <= bound + 1e-6 && largest > 0.3 * bound, "{largest} against {bound}");
     }

@@ -75,6 +75,9 @@ pub trait Relief {
     /// Lowest and highest displacement, or somewhat beyond, mm.
     fn range_mm(&self) -> [f64; 2];
 
+    /// Proven bound on the norm of the gradient.
+    fn steepest(&self) -> f64;
+
     /// Proven bounds on the second derivative along any unit direction, cell by cell.
     fn bends(&self) -> Vec<Bend>;
 

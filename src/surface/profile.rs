@@ -66,14 +66,18 @@ impl Relief for Profile {
         points.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
     }
 
+    fn steepest(&self) -> f64 {
+        self.cells.iter().map(steepest).fold(0.0, f64::max) * self.per_mm
+    }
+
     /// Along the radius an interface bends as its profile, across it as the slope over the distance.
     fn bends(&self) -> Vec<Bend> {
-        let cell = |(k, [_, b, c, d]): (usize, &[f64; 4])| {
+        let cell = |(k, cell): (usize, &[f64; 4])| {
+            let [_, _, c, d] = cell;
             let scale = self.per_mm * self.per_mm;
             let along = (2.0 * c).abs().max((2.0 * c + 6.0 * d).abs());
             // On the first cell the slope over the distance is a mean of second derivatives.
-            let steepest = b.abs().max((b + c).abs()).max((b + 2.0 * c + 3.0 * d).abs());
-            let across = if k == 0 { along } else { steepest / k as f64 };
+            let across = if k == 0 { along } else { steepest(cell) / k as f64 };
             Bend {
                 nearest_mm: k as f64 / self.per_mm,
                 farthest_mm: (k + 1) as f64 / self.per_mm,
@@ -92,6 +96,11 @@ impl Relief for Profile {
         let slope = (b + u * (2.0 * c + u * 3.0 * d)) * self.per_mm / r.max(f64::MIN_POSITIVE);
         [a + u * (b + u * (c + u * d)), slope * x, slope * y]
     }
+}
+
+/// Bound on the slope of a cell, by the Bernstein coefficients of its derivative.
+fn steepest([_, b, c, d]: &[f64; 4]) -> f64 {
+    b.abs().max((b + c).abs()).max((b + 2.0 * c + 3.0 * d).abs())
 }
 
 /// Second derivatives of the spline through samples one apart, level at the first and straight at the last, by the Thomas
@@ -164,16 +173,18 @@ mod tests {
     }
 
     #[test]
-    fn second_derivative_and_range_never_exceed_their_bounds() {
+    fn slope_second_derivative_and_range_never_exceed_their_bounds() {
         let profile = profile(65);
         let (bends, [low, high]) = (profile.bends(), profile.range_mm());
-        let mut tightest = 0.0f64;
+        let (mut tightest, mut steepest) = (0.0f64, 0.0f64);
         for k in 0..20_000 {
             let (x, y) = (0.0173 * k as f64 % 28.0 - 14.0, 0.0531 * k as f64 % 18.0 - 9.0);
             let (c, s) = ((k as f64).cos(), (k as f64).sin());
             let e = 1e-4;
             let h = |t: f64| profile.at(x + t * c, y + t * s)[0];
             assert!(low <= h(0.0) && h(0.0) <= high);
+            let [_, along, across] = profile.at(x, y);
+            steepest = steepest.max(along.hypot(across));
             let found = ((h(e) - 2.0 * h(0.0) + h(-e)) / (e * e)).abs();
             let r = (x - 1.0).hypot(y + 2.0);
             let near = |bend: &&Bend| bend.nearest_mm - 2.0 * e < r && r < bend.farthest_mm + 2.0 * e;
@@ -183,6 +194,7 @@ mod tests {
             tightest = tightest.max(found / bound);
         }
         assert!(tightest > 0.9, "{tightest}");
+        assert!(steepest <= profile.steepest() && steepest > 0.95 * profile.steepest(), "{steepest}");
         assert!(low > -1.001 && high < 1e-3);
     }
 }

@@ -34,6 +34,8 @@ pub struct TouchedFace {
     unit: f64,
     /// Area under tissue of each texel, mm^2.
     area: Vec<f64>,
+    /// Whether some of the face is in true contact, and some not.
+    seen: [bool; 2],
     spread: Option<SpreadFace>,
 }
 
@@ -78,7 +80,9 @@ impl TouchedFace {
             let spread = Spread::new(columns, size, tissue.spread_d, tissue.albedo, reentry);
             SpreadFace { spread, share, texel_area }
         });
-        Self { columns, unit: model.power / DEPOSIT_UNIT, area, spread }
+        let uniform = model.tissue.as_ref().filter(|tissue| tissue.grid.is_empty()).map(|tissue| tissue.share);
+        let seen = [uniform != Some(0.0), uniform != Some(1.0)];
+        Self { columns, unit: model.power / DEPOSIT_UNIT, area, seen, spread }
     }
 
     /// Turns deposits of `sent` photons into light per area.
@@ -133,7 +137,7 @@ impl TouchedFace {
         if groups < 3 {
             return chosen;
         }
-        for which in 0..2 {
+        for which in (0..2).filter(|&which| self.seen[which]) {
             let group = |k: usize| mean(maps.iter().skip(k).step_by(groups).map(|map| map.light[which].as_slice()));
             let parts: Vec<Vec<f64>> = (0..groups).map(group).collect();
             (chosen.widths[which], chosen.bias[which]) = width(&parts, &self.area, self.columns);

@@ -165,6 +165,7 @@ fn over_the_plane(model: &mut Model<f64>) {
     for face in model.faces.iter_mut().filter(|face| face.share != 0.0) {
         let [low, high] = fields[face.field].range_mm();
         (face.low, face.high, face.curvature) = (low - 1e-3, high + 1e-3, zones.bounds[face.field]);
+        face.slope = fields[face.field].steepest() * (1.0 + 1e-5);
     }
     let Some(first) = fields.first() else { return };
     model.shape = Shape::Field(FieldShape {

@@ -40,6 +40,8 @@ pub struct Face<T> {
     pub share: T,
     /// Square of the index above minus that below.
     pub dn_sq: T,
+    /// Bound on how steep it is.
+    pub slope: T,
     /// Bounds on the second derivative of its height field within the field's zone and beyond, per mm.
     pub curvature: [T; 2],
     /// Lowest displacement, mm.
@@ -234,6 +236,7 @@ impl Model<f64> {
                     z: of(f.z),
                     share: of(f.share),
                     dn_sq: of(f.dn_sq),
+                    slope: of(f.slope),
                     curvature: pair(f.curvature),
                     low: of(f.low),
                     high: of(f.high),

@@ -2,7 +2,6 @@
 
 use super::backend::{Backend, BackendChoice, Precision, TraceError};
 use super::batch::{Batch, Observer, Pacer, Times, Totals, Work};
-use super::cpu::{Limits, Path};
 use super::exitance::{Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;
@@ -19,9 +18,6 @@ const REPLICATE_PATHS: u32 = 1 << 15;
 const LEDGER_PHOTONS: u64 = 1 << 20;
 /// Fewest photons for a map or a splat, unless asked for fewer.
 const LEAST_PHOTONS: u64 = 1 << 20;
-/// Launches that tell how many photons may meet tissue, and the least share that is made up for.
-const LAUNCHES: u32 = 1 << 14;
-const LEAST_SHARE: f64 = 1.0 / 16.0;
 /// Most camera paths per pixel for an asked error.
 const MOST_SPP: u32 = 1 << 24;
 /// What is taken above the work that an error found asks for, and the most at once: a first error may be a poor guess.
@@ -41,7 +37,7 @@ pub struct Settings {
     pub integrator: Integrator,
     /// Camera paths per pixel; rounded up to whole replicates of at least one.
     pub spp: u32,
-    /// Photons; `None`: as many that may meet tissue as camera paths, and at least 2^20.
+    /// Photons; `None`: as many as camera paths, and at least 2^20.
     pub photons: Option<u64>,
     /// Budget of tracing time after compilation, seconds; replaces `spp`.
     pub seconds: Option<f64>,
@@ -178,7 +174,7 @@ fn once(
     };
     // A throw-away pilot of one path per pixel compiles the kernels and measures the machine.
     let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
-    let pilot = Work { spp: 1, photons: work.photons.min(with_astray(model, pixels)) };
+    let pilot = Work { spp: 1, photons: work.photons.min(pixels) };
     batch.replicate(u32::MAX, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| {
         observe(Stage { done: 0.0, what: "compiling kernels" })
     })?;
@@ -246,7 +242,7 @@ fn once(
     let film = sum.finish();
     let mean_radiance = film.mean.iter().map(|&v| f64::from(v)).sum::<f64>() / film.mean.len() as f64;
     Ok(Outcome {
-        relative_error: relative_error(&film),
+        relative_error: relative_error(&film.mean, &film.variance),
         mean_radiance,
         film,
         ledger,
@@ -307,21 +303,24 @@ impl Gather {
 
 fn photons(settings: &Settings, model: &Model<f64>, spp: u32) -> u64 {
     let paths = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]) * u64::from(spp);
-    settings.photons.unwrap_or_else(|| with_astray(model, paths.max(LEAST_PHOTONS)))
+    settings.photons.unwrap_or_else(|| paths.max(LEAST_PHOTONS))
 }
 
-/// How many photons make so many that may meet tissue.
-fn with_astray(model: &Model<f64>, photons: u64) -> u64 {
-    let share = Path::new(model, Limits::default()).share_towards_tissue(LAUNCHES);
-    (photons as f64 / share.max(LEAST_SHARE)).ceil() as u64
+impl Outcome {
+    /// Relative errors of the means over the film's blocks: the edge of a block (0: the whole image), and the error as
+    /// `relative_error` has it, of blocks for pixels. They know that pixels share photons.
+    pub fn block_errors(&self) -> Vec<(u32, Option<f64>)> {
+        let levels = self.film.blocks.iter();
+        levels.map(|level| (level.edge, relative_error(&level.mean, &level.variance))).collect()
+    }
 }
 
-/// Root-mean-square standard error over the lit pixels (above 0.3 of the 99th percentile), over their mean.
-pub fn relative_error(film: &Film) -> Option<f64> {
-    let mut sorted = film.mean.clone();
+/// Root-mean-square standard error over the lit means (above 0.3 of the 99th percentile), over their mean.
+fn relative_error(means: &[f32], variances: &[f32]) -> Option<f64> {
+    let mut sorted = means.to_vec();
     sorted.sort_by(f32::total_cmp);
     let percentile = *sorted.get(sorted.len().saturating_sub(1) * 99 / 100)?;
-    let lit = film.mean.iter().zip(&film.variance).filter(|(m, _)| **m > 0.3 * percentile);
+    let lit = means.iter().zip(variances).filter(|(m, _)| **m > 0.3 * percentile);
     let (mut count, mut mean, mut variance) = (0.0, 0.0, 0.0);
     for (&m, &v) in lit {
         count += 1.0;

@@ -139,6 +139,7 @@ fn faces(
                 z,
                 share,
                 dn_sq: (n_above - n_below) * (n_above + n_below),
+                slope: 0.0,
                 curvature: [0.0; 2],
                 low: 0.0,
                 high: 0.0,
@@ -151,19 +152,26 @@ fn faces(
                 let [low, high] = relief.range_mm();
                 // A thousandth beyond, so that the slab holds the surface in f32 too.
                 (face.low, face.high) = (low - 1e-3, high + 1e-3);
+                face.slope = relief.steepest() * (1.0 + 1e-5);
                 face.curvature = zones.bounds.get(field).copied().unwrap_or_default();
                 face.field = field;
                 field += 1;
             }
-            if let Surface::Mesh(mesh) = surface
-                && share != 0.0
-            {
-                (face.low, face.high) = (mesh.low_mm - z, mesh.high_mm - z);
+            match surface {
+                Surface::Cap { cap, .. } => face.slope = (share * cap.steepest() * (1.0 + 1e-5)).min(UNBOUNDED),
+                Surface::Mesh(mesh) if share != 0.0 => {
+                    (face.low, face.high) = (mesh.low_mm - z, mesh.high_mm - z);
+                    face.slope = UNBOUNDED;
+                }
+                _ => {}
             }
             face
         })
         .collect()
 }
+
+/// Slope of a face that may rise in any way: its square is finite in f32.
+const UNBOUNDED: f64 = 1e15;
 
 fn tissue_of(t: &scene::Tissue, map: ContactMap, n_top: f64, n_0: f64) -> Tissue<f64> {
     let albedo = match (t.diffuse_reflectance, t.reduced_scattering_per_mm, t.absorption_per_mm) {

@@ -74,6 +74,10 @@ fn the_dented_sensor_lights_up() {
     let said = json(&output);
     check_render_keys(&said);
     assert!(said["mean_radiance"].as_f64().unwrap() > 0.01 && said["relative_error"].is_number(), "{said}");
+    let edges: Vec<_> =
+        said["block_errors"].as_array().unwrap().iter().map(|block| block["edge_pixels"].clone()).collect();
+    assert_eq!(edges, [4, 16, 64, 0]);
+    assert!(said["block_errors"][0]["relative_error"].as_f64() < said["relative_error"].as_f64(), "{said}");
     let mut names: Vec<String> = std::fs::read_dir(place.path().join("deep/er"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())

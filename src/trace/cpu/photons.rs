@@ -74,19 +74,6 @@ impl<T: Real> Path<'_, T> {
         self.tally[slot] += units(self.weight);
     }
 
-    /// Share of aimed photons that may meet tissue, from the first `count`; 1 where photons are not aimed.
-    pub fn share_towards_tissue(&mut self, count: u32) -> f64 {
-        if !self.kernel.aimed || count == 0 {
-            return 1.0;
-        }
-        self.aimed = true;
-        let towards = (0..count).filter(|&k| {
-            self.start_random(0, k, 0);
-            self.launch() == End::GoesOn && !self.astray()
-        });
-        towards.count() as f64 / f64::from(count)
-    }
-
     fn enters_lens(&self) -> bool {
         let camera = &self.model.camera;
         if !self.kernel.lens || self.p.z >= T::zero() {

@@ -265,3 +265,49 @@ fn box_distance<T: Real>(low: [f32; 3], high: [f32; 3], o: V3<T>, inv: V3<T>, t_
     // The boxes are f32: rounded up by two ulps per operation (Ize 2013).
     if enter <= leave * c(1.000_000_4) { enter } else { far() }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::Shape as Touch;
+    use crate::surface::{HeightField, Surface, surface};
+    use crate::trace::Model;
+    use crate::trace::cpu::Limits;
+
+    /// How many of 4,000 rays that leave the touched face upwards meet it again, if they rise `share` times as fast as it does
+    /// where it is steepest.
+    fn returned(model: &Model<f64>, share: f64) -> usize {
+        let top = model.faces.len() - 1;
+        let mut path = Path::new(model, Limits::default());
+        let even = |k: i32, step: f64| f64::from(k) * step % 1.0;
+        let returns = |k: &i32| {
+            let (r, turn) = (5.0 * even(*k, 0.754_877_67).sqrt(), std::f64::consts::TAU * even(*k, 0.569_840_29));
+            let (x, y) = (r * turn.cos(), r * turn.sin());
+            let away = std::f64::consts::TAU * even(*k, 0.618_033_99);
+            let p = v3(away.cos(), away.sin(), share * model.faces[top].slope);
+            // A micrometre above the face.
+            let o = v3(x, y, path.surface_height(top, x, y) + 1e-3);
+            let t = path.surface_cross(top, o, p, -1.0, 100.0);
+            assert!(!path.lost);
+            t < 100.0
+        };
+        (1..=4000).filter(returns).count()
+    }
+
+    #[test]
+    fn a_ray_that_rises_faster_than_the_face_never_comes_back() {
+        let mut loaded = crate::scene::preset("dent-cap").unwrap();
+        let cap = surface(&loaded).unwrap();
+        loaded.scene.touch.shape = Touch::GaussianDent { depth_mm: 1.0, sigma_mm: 2.0, center_mm: [0.0; 2] };
+        let profile = surface(&loaded).unwrap();
+        let field = HeightField::sample(129, [30.0; 2], |x, y| -(-(x * x + 2.0 * y * y) / 8.0).exp());
+        let mut fields = vec![None; loaded.scene.stack.layer.len()];
+        fields.push(field);
+        for surface in [cap, profile, Surface::Fields(fields)] {
+            let model = Model::new(&loaded, &surface, None).unwrap();
+            assert_eq!(returned(&model, 1.0), 0, "{}", surface.name());
+            assert!(returned(&model, 0.5) > 100, "{}: {}", surface.name(), returned(&model, 0.5));
+        }
+    }
+}

@@ -61,12 +61,13 @@ impl<T: Real> Path<'_, T> {
         let r = fresnel(a, b, n_sq, n_sq + dn_sq);
         let u = self.draw();
         // Nothing shines below or above the stack: a path from the camera goes on with what the outer faces mirror. Only
-        // out of a dent may it come back.
-        let outer = i == 0 && side < T::zero() || i == self.top() && side > T::zero();
+        // where it may come back, half of the paths leave.
+        let upper = i == self.top() && side > T::zero();
+        let outer = upper || i == 0 && side < T::zero();
         let one = T::one();
         let chance = match self.eye && outer && face.kind == 0 {
-            true if i == 0 || face.share == T::zero() => one,
-            true => r.max(T::of(0.5)),
+            true if upper && !self.leaves_for_good(self.p + m * (b - a)) => r.max(T::of(0.5)),
+            true => one,
             false => r,
         };
         if u < chance {
@@ -80,6 +81,12 @@ impl<T: Real> Path<'_, T> {
         self.record(code + 2, u - chance);
         self.refract_through(i, normal, m, side, a, b);
         true
+    }
+
+    /// Whether a path above the touched face rises faster than that face does anywhere.
+    fn leaves_for_good(&self, p: V3<T>) -> bool {
+        let slope = self.model.faces[self.top()].slope;
+        p.z > T::zero() && p.z * p.z >= slope * slope * (p.x * p.x + p.y * p.y)
     }
 
     pub(super) fn mirror(&mut self, m: V3<T>) {
@@ -256,7 +263,7 @@ impl<T: Real> Path<'_, T> {
             if self.layer == 0 {
                 return End::Bottom;
             }
-            if !deformed && self.layer > top {
+            if self.layer > top && self.leaves_for_good(self.p) {
                 return End::Top;
             }
         } else if self.weight == zero {
