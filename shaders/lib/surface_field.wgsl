@@ -1,6 +1,6 @@
-// Smooth height fields, one per deformed interface; `field_at` gives their displacement and its gradient. Intersection by safe Newton: with |G''| <= K along the ray the step
-// below never passes the first root. K has two values, within a radius and beyond; no step passes from one to the
-// other. Heights are relative to the undeformed plane.
+// Smooth height fields, one per deformed interface; `field_at` gives their displacement and its gradient, relative to the
+// undeformed plane. Intersection by safe Newton: with |G''| <= K along the ray the step below never passes the first root.
+// K has two values, within a radius and beyond; no step passes from one to the other.
 
 @group(0) @binding(8) var<storage, read> field: array<vec4f>;
 
