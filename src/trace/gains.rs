@@ -163,9 +163,7 @@ fn over_the_plane(model: &mut Model<f64>) {
     let Some(fields) = profiles.map(field).collect::<Option<Vec<_>>>() else { return };
     let zones = Zones::of(&fields.iter().collect::<Vec<_>>());
     for face in model.faces.iter_mut().filter(|face| face.share != 0.0) {
-        let [low, high] = fields[face.field].range_mm();
-        (face.low, face.high, face.curvature) = (low - 1e-3, high + 1e-3, zones.bounds[face.field]);
-        face.slope = fields[face.field].steepest() * (1.0 + 1e-5);
+        face.follow(&fields[face.field], zones.bounds[face.field]);
     }
     let Some(first) = fields.first() else { return };
     model.shape = Shape::Field(FieldShape {

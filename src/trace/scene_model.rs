@@ -5,7 +5,7 @@ use super::model::{Camera, CapShape, Face, FieldShape, Heights, Layer, MeshShape
 use crate::optics::{fresnel, tissue};
 use crate::scene::{self, LoadedScene, Roughness};
 use crate::surface::zones::Zones;
-use crate::surface::{ContactMap, Surface, SurfaceError};
+use crate::surface::{ContactMap, Relief, Surface, SurfaceError};
 use std::f64::consts::PI;
 
 impl Model<f64> {
@@ -149,11 +149,7 @@ fn faces(
                 kind,
             };
             if let Some(relief) = surface.relief(i) {
-                let [low, high] = relief.range_mm();
-                // A thousandth beyond, so that the slab holds the surface in f32 too.
-                (face.low, face.high) = (low - 1e-3, high + 1e-3);
-                face.slope = relief.steepest() * (1.0 + 1e-5);
-                face.curvature = zones.bounds.get(field).copied().unwrap_or_default();
+                face.follow(relief, zones.bounds.get(field).copied().unwrap_or_default());
                 face.field = field;
                 field += 1;
             }
@@ -172,6 +168,17 @@ fn faces(
 
 /// Slope of a face that may rise in any way: its square is finite in f32.
 const UNBOUNDED: f64 = 1e15;
+
+impl Face<f64> {
+    /// Takes on a relief's bounds; those on its second derivative are given.
+    pub(super) fn follow(&mut self, relief: &dyn Relief, curvature: [f64; 2]) {
+        let [low, high] = relief.range_mm();
+        // A thousandth beyond, so that the slab holds the surface in f32 too.
+        (self.low, self.high) = (low - 1e-3, high + 1e-3);
+        self.slope = relief.steepest() * (1.0 + 1e-5);
+        self.curvature = curvature;
+    }
+}
 
 fn tissue_of(t: &scene::Tissue, map: ContactMap, n_top: f64, n_0: f64) -> Tissue<f64> {
     let albedo = match (t.diffuse_reflectance, t.reduced_scattering_per_mm, t.absorption_per_mm) {
