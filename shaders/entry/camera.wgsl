@@ -31,7 +31,7 @@ fn start_camera_path(pixel: u32) {
     path.layer = 0u;
     path.weight = 1.0;
     path.bounces = 0u;
-    path.reflected = false;
+    path.turns = 0u;
 }
 
 // Through the lowest face. What it mirrors leaves for good: that share is taken off the weight, not met by chance.

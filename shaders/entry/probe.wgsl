@@ -30,7 +30,7 @@ fn photons(@builtin(global_invocation_id) id: vec3u) {
     path.layer = u32(input(row, 6u));
     path.weight = 1.0;
     path.bounces = 0u;
-    path.reflected = false;
+    path.turns = 0u;
     let start = length(path.p.xy);
     var drift = 0.0;
     var stretch = 0.0;   // of |p| over the index

@@ -26,11 +26,15 @@ fn along_of(wall: u32, v: vec3f) -> f32 { return select(v.x, v.y, wall < 2u); }
 
 // The bonded LED under the path's point on `path.wall`, or led_count.
 fn wall_led() -> u32 {
+    // Without a way out of the loop drivers unroll it.
+    var found = scene.led_count;
+    let at = vec2f(along_of(path.wall, path.o), path.o.z);
     for (var k = 0u; k < scene.led_count; k += 1u) {
-        let d = vec2f(along_of(path.wall, path.o) - lamp_along(k), path.o.z - lamp_height(k));
-        if (lamp_wall(k) == path.wall && lamp_air(k) == 0u && dot(d, d) <= lamp_radius(k) * lamp_radius(k)) { return k; }
+        let d = at - vec2f(lamp_along(k), lamp_height(k));
+        let here = lamp_wall(k) == path.wall && lamp_air(k) == 0u && dot(d, d) <= lamp_radius(k) * lamp_radius(k);
+        found = select(found, k, here && found == scene.led_count);
     }
-    return scene.led_count;
+    return found;
 }
 
 // Cell of the intensity table for a direction: theta from the disc's normal, phi from z towards `along`.
@@ -127,7 +131,7 @@ fn launch() -> u32 {
     path.weight = 1.0;
     path.bounces = 0u;
     path.wall = wall;
-    path.reflected = false;
+    path.turns = 0u;
     let face = select(scene.half_size.y, scene.half_size.x, wall < 2u);
     path.o = face * out + along * tangent + vec3f(0.0, 0.0, z);
     record(600u + k, 1.0);

@@ -1,4 +1,4 @@
-// What the host uploads: one `Scene` and one `Run` uniform.
+// What the host gives: a `Scene` in the text, and a `Run` as a uniform.
 // Lengths are mm. Directions are optical momenta p = n * (unit direction), so that p.xy is invariant across a flat
 // interface and n_t^2 - n_i^2, prepared in f64, decides refraction without cancellation.
 
@@ -53,7 +53,6 @@ struct Run {
 
 // Layers, interfaces and LEDs are read through functions such as `face_z(i)`, which the host writes into the text with the
 // scene's numbers: a chain of selects over constants, on a CPU driver 1.4 times faster overall than a gather.
-@group(0) @binding(0) var<uniform> scene: Scene;
 @group(0) @binding(1) var<uniform> run: Run;
 
 override DEFORMED: bool = false;
@@ -84,6 +83,8 @@ const END_LOST: u32 = 9u;
 const END_ASTRAY: u32 = 10u;   // an aimed photon that can meet tissue no more
 const GOES_ON: u32 = 0u;
 
+const STRAY: u32 = 0x80000000u;   // of a path that inner faces, walls or tissue sent another way
+
 // Slots of the flux ledger.
 const BOOK_EMITTED: u32 = 0u;
 const BOOK_ABSORBED: u32 = 1u;
@@ -106,7 +107,7 @@ struct Path {
     place: u32,        // in the lattice of the launch
     bounces: u32,
     wall: u32,         // 0 +x, 1 -x, 2 +y, 3 -y: where the walk met a wall
-    reflected: bool,   // has been reflected at least once
+    turns: u32,        // reflections at outer faces; with STRAY, others too
     normal: vec3f,     // of the touched face at END_TOUCH
 }
 var<private> path: Path;

@@ -37,7 +37,8 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
         let root = sqrt(slope * slope + 2.0 * k * gap);
         let step = select((root + slope) / k, 2.0 * gap / (root - slope), slope < 0.0);
         // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k step.
-        if (slope < 0.0 && step < 1e-5) {
+        let straight = k * step < 1e-5 && k * step * step < 1e-8 && t + step <= border;
+        if (slope < 0.0 && (step < 1e-5 || straight)) {
             field_slope = h.yz;
             return t + step;
         }

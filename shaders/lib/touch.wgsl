@@ -89,7 +89,7 @@ fn tissue_walk() -> u32 {
         let t1 = normalize(cross(axis, n));
         path.p = s * (cos(phi) * t1 + sin(phi) * cross(n, t1)) - a * n;
         path.layer = top;
-        path.reflected = true;
+        path.turns |= STRAY;
         return GOES_ON;
     }
     return END_CAP;
@@ -98,5 +98,5 @@ fn tissue_walk() -> u32 {
 // Mirror reflection at the touched face.
 fn touch_reflect() {
     path.p -= 2.0 * dot(path.p, path.normal) * path.normal;
-    path.reflected = true;
+    path.turns += 1u;
 }

@@ -38,6 +38,6 @@ fn camera_touch(light: ptr<function, f32>) -> u32 {
         touch_reflect();
         return GOES_ON;
     }
-    if (MAPPED || (COMPLEMENT && !path.reflected)) { return END_ABSORBED; }
+    if (MAPPED || (COMPLEMENT && path.turns == 0u)) { return END_ABSORBED; }
     return tissue_walk();
 }

@@ -1,5 +1,8 @@
 // A photon at the touched face: irradiance map or splat.
 
+// Photons of fewer reflections that met outer faces alone leave nothing in the map: their light is found by unfolding.
+override UNFOLDED: u32 = 0u;
+
 @group(0) @binding(6) var<storage, read_write> deposits: array<atomic<u32>>;
 
 fn deposit(at: u32, v: f32) {
@@ -82,7 +85,7 @@ fn photon_touch() -> u32 {
     let r = boundary(path.o.xy, a);
     if (SPLATTED) {
         if (r.x < 1.0) { leave_tissue(path.o.xy, path.weight * (1.0 - r.x) * scene.tissue_albedo); }
-    } else if (MAPPED) {
+    } else if (MAPPED && path.turns >= UNFOLDED) {
         let at = 2u * texel(path.o.xy);
         if (r.y < 1.0) { deposit(at, path.weight * (1.0 - r.y)); }
         if (r.z < 1.0) { deposit(at + 1u, path.weight * (1.0 - r.z)); }

@@ -55,7 +55,7 @@ fn meet(i: u32, normal: vec3f, side: f32) -> bool {
     let b_sq = dn_sq + a * a;
     if (b_sq <= 0.0) {
         record(i * 4u + 0u, -b_sq);
-        path.reflected = true;
+        turn(i);
         bounce(i, normal, m, side, a);
         return false;
     }
@@ -73,7 +73,7 @@ fn meet(i: u32, normal: vec3f, side: f32) -> bool {
     if (u < chance) {
         if (EYE) { path.weight *= r / chance; }
         record(i * 4u + 1u, chance - u);
-        path.reflected = true;
+        turn(i);
         bounce(i, normal, m, side, a);
         return false;
     }
@@ -82,6 +82,8 @@ fn meet(i: u32, normal: vec3f, side: f32) -> bool {
     refract_through(i, normal, m, side, a, b);
     return true;
 }
+
+fn turn(i: u32) { path.turns = select(path.turns | STRAY, path.turns + 1u, i == 0u || i == scene.layer_count); }
 
 // Whether a path above the touched face rises faster than that face does anywhere.
 fn leaves_for_good(p: vec3f) -> bool {
@@ -95,9 +97,10 @@ fn mirror(m: vec3f) { path.p -= 2.0 * dot(path.p, m) * m; }
 fn roulette() -> u32 {
     path.bounces += 1u;
     if (path.bounces >= EVENT_CAP) { return END_CAP; }
-    let faint = path.weight < select(0.1, 0.01, EYE);
-    if (faint || path.bounces > ROULETTE_START) {
-        let keep = select(0.95, 0.5, faint);
+    let least = select(0.1, 0.01, EYE);
+    if (path.weight < least || path.bounces > ROULETTE_START) {
+        // Survivors weigh twice the least: at the least itself rounding would decide whether they play again.
+        let keep = min(0.5 * path.weight / least, 0.95);
         if (draw() >= keep) { return END_ROULETTE; }
         let before = path.weight;
         path.weight = before / keep;
@@ -138,7 +141,7 @@ fn meet_wall() -> u32 {
         let out = select(-q, sign(q) * sqrt(max(b_sq, 0.0)), u >= r);
         if (along_x) { path.p.x = out; } else { path.p.y = out; }
         if (u >= r) { return END_SIDES; }
-        path.reflected = true;
+        path.turns |= STRAY;
         return GOES_ON;
     }
     if (MIRROR_WALLS) {
@@ -146,7 +149,7 @@ fn meet_wall() -> u32 {
         if (draw() >= scene.wall_reflectance) { return END_ABSORBED; }
         record(256u + path.wall * 2u, 1.0);
         if (path.wall < 2u) { path.p.x = -path.p.x; } else { path.p.y = -path.p.y; }
-        path.reflected = true;
+        path.turns |= STRAY;
         return GOES_ON;
     }
     record(256u + path.wall * 2u, 1.0);

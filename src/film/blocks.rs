@@ -96,17 +96,13 @@ impl Grid {
     }
 
     /// Sums the values of each block, in pixel order.
-    fn sums(&self, values: impl Iterator<Item = f64>) -> Vec<f64> {
+    fn sums(&self, values: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.cells()];
-        let width = self.width.max(1);
-        for (pixel, value) in (0_u64..).zip(values) {
-            let (x, y) = ((pixel % u64::from(width)) as u32, (pixel / u64::from(width)) as u32);
-            let block = match self.edge {
-                0 => 0,
-                edge => (y / edge) as usize * self.columns as usize + (x / edge) as usize,
-            };
-            if let Some(sum) = sums.get_mut(block) {
-                *sum += value;
+        let edge = if self.edge == 0 { usize::MAX } else { self.edge as usize };
+        let columns = self.columns as usize;
+        for (y, row) in values.chunks(self.width.max(1) as usize).enumerate() {
+            for (sum, chunk) in sums.iter_mut().skip(y / edge * columns).zip(row.chunks(edge)) {
+                chunk.iter().for_each(|value| *sum += value);
             }
         }
         sums
@@ -175,7 +171,7 @@ impl BlockAccumulator {
         let cells = width as usize * height as usize;
         let levels = EDGES.map(|edge| {
             let grid = Grid::new(width, height, edge);
-            let pixels = grid.sums(std::iter::repeat_n(1.0, cells));
+            let pixels = grid.sums(&vec![1.0; cells]);
             let running = Running::new(pixels.len());
             Level { grid, pixels, running }
         });
@@ -194,7 +190,7 @@ impl BlockAccumulator {
         self.count += 1;
         self.pixels.add(self.count, replicate.iter().copied());
         for level in &mut self.levels {
-            let sums = level.grid.sums(replicate.iter().copied());
+            let sums = level.grid.sums(replicate);
             let means = sums.iter().zip(&level.pixels).map(|(sum, pixels)| sum / pixels);
             level.running.add(self.count, means);
         }
@@ -246,8 +242,8 @@ impl Film {
                 false => 1.0,
             };
             let blocks: Vec<f64> = level.variance.iter().zip(&independent).map(ratio).collect();
-            let counts =
-                Grid::new(self.width, self.height, level.edge).sums(self.mean.iter().zip(&self.variance).map(clear));
+            let counts = Grid::new(self.width, self.height, level.edge)
+                .sums(&self.mean.iter().zip(&self.variance).map(clear).collect::<Vec<_>>());
             let median =
                 |weights: &[f64]| weighted_median(blocks.iter().copied().zip(weights.iter().copied()).collect());
             let median = median(&counts).or_else(|| median(&independent));
@@ -263,8 +259,8 @@ impl Film {
     pub fn with_blocks(mut self, inflation: &[Inflation]) -> Self {
         let level = |edge: u32| {
             let grid = Grid::new(self.width, self.height, edge);
-            let pixels = grid.sums(std::iter::repeat_n(1.0, self.mean.len()));
-            let sums = grid.sums(self.mean.iter().map(|&mean| f64::from(mean)));
+            let pixels = grid.sums(&vec![1.0; self.mean.len()]);
+            let sums = grid.sums(&self.mean.iter().map(|&mean| f64::from(mean)).collect::<Vec<_>>());
             let means = sums.iter().zip(&pixels).map(|(sum, pixels)| (sum / pixels.max(1.0)) as f32);
             let given = inflation.iter().find(|entry| entry.edge == edge);
             let factor = |block: usize| given.map_or(1.0, |e| e.blocks.get(block).copied().unwrap_or(e.factor));
@@ -285,8 +281,8 @@ impl Film {
 /// Variances of the block means of one level if its pixels were independent.
 fn independent_variances(film: &Film, edge: u32) -> Vec<f64> {
     let grid = Grid::new(film.width, film.height, edge);
-    let pixels = grid.sums(std::iter::repeat_n(1.0, film.variance.len()));
-    let sums = grid.sums(film.variance.iter().map(|&variance| f64::from(variance)));
+    let pixels = grid.sums(&vec![1.0; film.variance.len()]);
+    let sums = grid.sums(&film.variance.iter().map(|&variance| f64::from(variance)).collect::<Vec<_>>());
     sums.iter().zip(&pixels).map(|(sum, pixels)| sum / (pixels * pixels).max(1.0)).collect()
 }
 

@@ -6,6 +6,7 @@ use super::exitance::{ContactLight, Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;
 use super::plan::Method;
+use super::unfold::direct_light;
 use crate::film::Ledger;
 use std::time::Instant;
 
@@ -171,7 +172,12 @@ impl Batch<'_> {
         observe: &mut Observer,
     ) -> Result<ContactLight, TraceError> {
         let (deposits, sent) = self.photons(PhotonMode::Map, index, work.photons, observe)?;
-        Ok(self.at_map(|| face.light(&deposits, sent)))
+        let (model, unfolded) = (self.model, Kernel::of(self.model).unfolded);
+        let shift = pcg3d([self.seed, index, 2]).map(|v| f64::from(v) / 4_294_967_296.0);
+        Ok(self.at_map(|| {
+            let direct = (unfolded > 0).then(|| direct_light(model, unfolded, [shift[0], shift[1]]));
+            face.light(&deposits, sent, direct)
+        }))
     }
 
     /// Replicate `index` of the image, from a map: radiance in W/(m^2 sr), row-major.

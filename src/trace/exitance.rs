@@ -24,7 +24,10 @@ const MOST_ADDED: f64 = 8.0;
 /// the gap, in film units.
 #[derive(Debug, Clone)]
 pub struct ContactLight {
+    /// Of photons.
     light: [Vec<f64>; 2],
+    /// What was found without.
+    direct: Option<[Vec<f64>; 2]>,
 }
 
 /// The touched face, cut into texels.
@@ -85,14 +88,14 @@ impl TouchedFace {
         Self { columns, unit: model.power / DEPOSIT_UNIT, area, seen, spread }
     }
 
-    /// Turns deposits of `sent` photons into light per area.
-    pub fn light(&self, deposits: &[u64], sent: f64) -> ContactLight {
+    /// Turns deposits of `sent` photons into light per area, beside light found without photons.
+    pub fn light(&self, deposits: &[u64], sent: f64, direct: Option<[Vec<f64>; 2]>) -> ContactLight {
         let each = self.unit / sent;
         let light = [0, 1].map(|which| {
             let fluxes = deposits.iter().skip(which).step_by(2);
             fluxes.zip(&self.area).map(|(&flux, &a)| if a > 0.0 { flux as f64 * each / a } else { 0.0 }).collect()
         });
-        ContactLight { light }
+        ContactLight { light, direct }
     }
 
     /// What camera paths read, for each replicate: light times area beside the area, for true contact and for the gap; or,
@@ -102,6 +105,9 @@ impl TouchedFace {
         let smooth = |map: &ContactLight| {
             [0, 1].map(|which| {
                 let mut light = smoothers[which].smooth(&map.light[which]);
+                if let Some(direct) = &map.direct {
+                    light.iter_mut().zip(&direct[which]).for_each(|(v, direct)| *v += direct);
+                }
                 // The kernel has a negative rim.
                 light.iter_mut().for_each(|v| *v = v.max(0.0));
                 light
@@ -154,8 +160,8 @@ impl TouchedFace {
 /// Nothing is extrapolated below v: where d is so wide that its bias no longer grows as a power, that would promise too much.
 fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
     let mut chosen = (1, 0.0);
-    let light = Square::of(parts, area).common;
-    if light <= 0.0 {
+    let light = Square::of(parts, area);
+    if light.noise <= 0.0 {
         return chosen;
     }
     let mut known: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
@@ -175,9 +181,9 @@ fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
         // The bias is of second order at least, and nothing where nothing is smoothed.
         let variance = |width: usize| (width * width - 1) as f64;
         let share = variance(narrow) / variance(wide);
-        chosen = (narrow, added.common.max(0.0).sqrt() * share / (1.0 - share) / light.sqrt());
+        chosen = (narrow, added.common.max(0.0).sqrt() * share / (1.0 - share));
     }
-    chosen
+    (chosen.0, if light.common > 0.0 { chosen.1 / light.common.sqrt() } else { 0.0 })
 }
 
 /// Mean square over the face of what independent estimates show.
@@ -232,7 +238,7 @@ fn contact_share(model: &Model<f64>, low: [f64; 2], size: [f64; 2]) -> f64 {
 }
 
 /// Share of a texel that lies under tissue, by 16 x 16 points where the tissue's rim may cross it.
-fn tissue_share(model: &Model<f64>, low: [f64; 2], size: [f64; 2]) -> f64 {
+pub(super) fn tissue_share(model: &Model<f64>, low: [f64; 2], size: [f64; 2]) -> f64 {
     let Some(tissue) = &model.tissue else {
         return 0.0;
     };

@@ -97,7 +97,7 @@ fn laden(model: &Model<f64>, settings: &Settings) -> Vec<Laden> {
     let kernel = Kernel::of(model);
     let settings = Settings { seed: settings.seed.wrapping_add(1), ..settings.clone() };
     type Load = fn(&mut Model<f64>, &mut Settings);
-    let spare: [(&str, bool, Load); 10] = [
+    let spare: [(&str, bool, Load); 11] = [
         ("height fields", kernel.shape == ShapePiece::Plane, |m, _| flat_fields(m)),
         ("height fields over the plane in place of profiles", kernel.shape == ShapePiece::Profile, |m, _| {
             over_the_plane(m)
@@ -114,6 +114,7 @@ fn laden(model: &Model<f64>, settings: &Settings) -> Vec<Laden> {
             m.spare.push(Spare::Lens);
         }),
         ("photons that can meet no tissue", kernel.aimed, |m, _| m.spare.push(Spare::Astray)),
+        ("photons for light that unfolding finds", kernel.unfolded > 0, |m, _| m.spare.push(Spare::Direct)),
         ("tissue contact, photons and their map", !kernel.touched, |m, s| {
             m.tissue = Some(out_of_reach(m.surround_n));
             s.integrator = Integrator::Map;

@@ -32,6 +32,9 @@ pub struct Kernel {
     /// Photons that can meet no tissue, or no more, are told from above and left out: between flat, smooth faces and black walls
     /// paths run straight when seen from there.
     pub aimed: bool,
+    /// Number of reflections at outer faces below which light that inner interfaces only refract is found by unfolding, not by
+    /// photons of the map; 0: none.
+    pub unfolded: u32,
 }
 
 /// Representation of deformed interfaces.
@@ -67,6 +70,8 @@ pub enum Spare {
     Lens,
     /// Photons that can meet no tissue.
     Astray,
+    /// Photons for light that unfolding finds.
+    Direct,
 }
 
 impl Kernel {
@@ -74,6 +79,10 @@ impl Kernel {
     pub fn of<T: Real>(model: &Model<T>) -> Self {
         let zero = T::zero();
         let carries = |piece| model.spare.contains(&piece);
+        let straight = matches!(model.shape, Shape::Plane)
+            && model.walls == Walls::Black
+            && model.faces.iter().all(|f| f.kind == 0)
+            && model.tissue.as_ref().is_some_and(|t| t.radius_sq < T::of(1e30));
         Self {
             shape: match model.shape {
                 Shape::Plane => ShapePiece::Plane,
@@ -96,11 +105,8 @@ impl Kernel {
             led_tables: carries(Spare::LedTables) || model.leds.iter().any(|l| l.table.is_some()),
             cosine_power: carries(Spare::CosinePower) || model.leds.iter().any(|l| l.exponent != T::one()),
             lens: carries(Spare::Lens) || model.camera.lens_radius > zero,
-            aimed: !carries(Spare::Astray)
-                && matches!(model.shape, Shape::Plane)
-                && model.walls == Walls::Black
-                && model.faces.iter().all(|f| f.kind == 0)
-                && model.tissue.as_ref().is_some_and(|t| t.radius_sq < T::of(1e30)),
+            aimed: straight && !carries(Spare::Astray),
+            unfolded: if straight && !carries(Spare::Direct) { model.unfolded } else { 0 },
         }
     }
 
@@ -115,7 +121,7 @@ impl Kernel {
     }
 
     /// Names of the pieces, and whether each is in.
-    pub fn pieces(&self) -> [(&'static str, bool); 16] {
+    pub fn pieces(&self) -> [(&'static str, bool); 17] {
         [
             ("spherical cap", self.shape == ShapePiece::Cap),
             ("height fields over the plane", self.shape == ShapePiece::Field),
@@ -133,6 +139,7 @@ impl Kernel {
             ("cosine-power LED patterns", self.cosine_power),
             ("thin lens", self.lens),
             ("photons that can meet no tissue", self.touched && !self.aimed),
+            ("photons for light that unfolding finds", self.touched && self.unfolded == 0),
         ]
     }
 }

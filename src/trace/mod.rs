@@ -20,6 +20,7 @@ pub mod render;
 mod scene_model;
 mod smooth;
 mod spread;
+mod unfold;
 
 pub use backend::{Backend, BackendChoice, Precision, TraceError};
 pub use kernel::Kernel;

@@ -204,6 +204,8 @@ pub struct Model<T> {
     pub power: f64,
     /// Share of that power that aimed photons stand for.
     pub aimed_share: f64,
+    /// Number of reflections below which unfolding finds light, where the stack is straight; 0: none.
+    pub unfolded: u32,
     /// Pieces that the kernels carry though the scene does not need them.
     pub spare: Vec<Spare>,
 }
@@ -302,6 +304,7 @@ impl Model<f64> {
             unit_radiance: self.unit_radiance,
             power: self.power,
             aimed_share: self.aimed_share,
+            unfolded: self.unfolded,
             spare: self.spare.clone(),
         }
     }

@@ -16,6 +16,8 @@ pub const REPLICATES: u32 = 16;
 const REPLICATE_PATHS: u32 = 1 << 15;
 /// Photons of the ledger where the method sends none of its own or not all.
 const LEDGER_PHOTONS: u64 = 1 << 20;
+/// Camera paths to a photon where photons find only what unfolding leaves.
+const PATHS_TO_A_PHOTON: u64 = 8;
 /// Fewest photons for a map or a splat, unless asked for fewer.
 const LEAST_PHOTONS: u64 = 1 << 20;
 /// Most camera paths per pixel for an asked error.
@@ -37,7 +39,7 @@ pub struct Settings {
     pub integrator: Integrator,
     /// Camera paths per pixel; rounded up to whole replicates of at least one.
     pub spp: u32,
-    /// Photons; `None`: as many as camera paths, and at least 2^20.
+    /// Photons; `None`: as many as camera paths, an eighth of that where unfolding finds most light, and at least 2^20.
     pub photons: Option<u64>,
     /// Budget of tracing time after compilation, seconds; replaces `spp`.
     pub seconds: Option<f64>,
@@ -168,13 +170,14 @@ fn once(
         totals: Totals::default(),
     };
     let replicates = REPLICATES.max(settings.spp.div_ceil(REPLICATE_PATHS));
+    let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
+    let all_photons = || photons(&kernel, plan.method, pixels * u64::from(settings.spp)).max(LEAST_PHOTONS);
     let mut work = Work {
         spp: settings.spp.div_ceil(replicates),
-        photons: photons(settings, model, settings.spp).div_ceil(u64::from(replicates)),
+        photons: settings.photons.unwrap_or_else(all_photons).div_ceil(u64::from(replicates)),
     };
     // A throw-away pilot of one path per pixel compiles the kernels and measures the machine.
-    let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
-    let pilot = Work { spp: 1, photons: work.photons.min(pixels) };
+    let pilot = Work { spp: 1, photons: work.photons.min(photons(&kernel, plan.method, pixels)) };
     batch.replicate(u32::MAX, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| {
         observe(Stage { done: 0.0, what: "compiling kernels" })
     })?;
@@ -301,9 +304,10 @@ impl Gather {
     }
 }
 
-fn photons(settings: &Settings, model: &Model<f64>, spp: u32) -> u64 {
-    let paths = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]) * u64::from(spp);
-    settings.photons.unwrap_or_else(|| paths.max(LEAST_PHOTONS))
+/// Photons for so many camera paths, where nothing else is asked for.
+fn photons(kernel: &Kernel, method: Method, paths: u64) -> u64 {
+    let unfolded = method == Method::Map && kernel.unfolded > 0;
+    paths / if unfolded { PATHS_TO_A_PHOTON } else { 1 }
 }
 
 impl Outcome {

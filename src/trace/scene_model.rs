@@ -1,7 +1,7 @@
 //! From a validated scene to the tracer's model.
 
-use super::leds;
 use super::model::{Camera, CapShape, Face, FieldShape, Heights, Layer, MeshShape, Model, Shape, Tissue, Walls};
+use super::{leds, unfold};
 use crate::optics::{fresnel, tissue};
 use crate::scene::{self, LoadedScene, Roughness};
 use crate::surface::zones::Zones;
@@ -37,7 +37,7 @@ impl Model<f64> {
             scene::Walls::Clear => (Walls::Clear, 0.0),
             scene::Walls::Mirror { reflectance } => (Walls::Mirror, reflectance),
         };
-        Ok(Self {
+        let mut model = Self {
             half_size,
             surround_n: n_0,
             walls,
@@ -53,8 +53,11 @@ impl Model<f64> {
             unit_radiance: lit.unit_radiance,
             power: lit.power,
             aimed_share,
+            unfolded: 0,
             spare: Vec::new(),
-        })
+        };
+        model.unfolded = unfold::reflections(&model);
+        Ok(model)
     }
 }
 

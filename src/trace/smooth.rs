@@ -82,9 +82,7 @@ impl Smoother {
         }
         for (columns, rows) in [(columns, rows), (rows, columns)] {
             (0..3).for_each(|_| boxes(&mut field, columns, self.width));
-            let mut turned = Vec::with_capacity(field.len());
-            (0..columns).for_each(|x| turned.extend((0..rows).map(|y| field[y * columns + x])));
-            field = turned;
+            field = turned(&field, columns, rows);
         }
         field
     }
@@ -117,18 +115,35 @@ fn fit([m, mx, my, mxx, mxy, myy]: [f64; 6], [x, y]: [f64; 2], spread: f64) -> [
     minors.map(|minor| minor / determinant)
 }
 
-/// Means of `width` neighbours in each row; beyond the ends there is nothing.
+/// Means of `width` neighbours in each column, all columns side by side; beyond the ends there is nothing.
 fn boxes(field: &mut [f64], columns: usize, width: usize) {
-    let half = width / 2;
-    let mut sums = vec![0.0; columns + 1];
-    for row in field.chunks_mut(columns) {
-        for (k, v) in row.iter().enumerate() {
-            sums[k + 1] = sums[k] + v;
+    let (half, each) = (width / 2, 1.0 / width as f64);
+    let before = field.to_vec();
+    let row = |y: usize| before.get(y * columns..(y + 1) * columns).unwrap_or_default();
+    let mut sums = vec![0.0; columns];
+    let add = |sums: &mut [f64], row: &[f64], sign: f64| sums.iter_mut().zip(row).for_each(|(s, v)| *s += sign * v);
+    (0..half).for_each(|y| add(&mut sums, row(y), 1.0));
+    for (y, means) in field.chunks_mut(columns).enumerate() {
+        add(&mut sums, row(y + half), 1.0);
+        if y > half {
+            add(&mut sums, row(y - half - 1), -1.0);
         }
-        for (k, v) in row.iter_mut().enumerate() {
-            *v = (sums[(k + half + 1).min(columns)] - sums[k.saturating_sub(half)]) / width as f64;
+        means.iter_mut().zip(&sums).for_each(|(mean, sum)| *mean = sum * each);
+    }
+}
+
+/// Rows for columns, in tiles that caches hold.
+fn turned(field: &[f64], columns: usize, rows: usize) -> Vec<f64> {
+    const TILE: usize = 16;
+    let mut turned = vec![0.0; field.len()];
+    for y in (0..rows).step_by(TILE) {
+        for x in (0..columns).step_by(TILE) {
+            for y in y..(y + TILE).min(rows) {
+                (x..(x + TILE).min(columns)).for_each(|x| turned[x * rows + y] = field[y * columns + x]);
+            }
         }
     }
+    turned
 }
 
 #[cfg(test)]

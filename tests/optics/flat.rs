@@ -66,7 +66,7 @@ fn shift<T: Real>(model: &Model<f64>, angle_deg: f64) -> f64 {
             let z = model.faces[top].z.wide();
             let mut path = bench::path(&model, top + 1, [0.0, 0.0, z], [sin, 0.0, -cos]);
             path.start_random(6, k, 0);
-            let through = enter(&mut path, false) && path.walk() == End::Bottom && !path.reflected;
+            let through = enter(&mut path, false) && path.walk() == End::Bottom && path.turns == 0;
             through.then(|| path.o.x.wide())
         })
         .unwrap()
@@ -99,7 +99,7 @@ fn light_fades_exponentially_along_its_path() {
             .find_map(|k| {
                 let mut path = bench::path(model, 4, [0.0, 0.0, 10.0], p);
                 path.start_random(7, k, 0);
-                let through = enter(&mut path, false) && path.walk() == End::Bottom && !path.reflected;
+                let through = enter(&mut path, false) && path.walk() == End::Bottom && path.turns == 0;
                 through.then(|| path.weight.wide())
             })
             .unwrap()

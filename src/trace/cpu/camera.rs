@@ -113,7 +113,7 @@ impl<T: Real> Path<'_, T> {
         self.layer = 0;
         self.weight = T::one();
         self.bounces = 0;
-        self.reflected = false;
+        self.turns = 0;
     }
 
     fn exitance_at(&self, texels: &[[T; 4]], x: T, y: T) -> T {
@@ -164,7 +164,7 @@ impl<T: Real> Path<'_, T> {
             self.touch_reflect();
             return End::GoesOn;
         }
-        if view.exitance.is_some() || (view.complement && !self.reflected) {
+        if view.exitance.is_some() || (view.complement && self.turns == 0) {
             return End::Absorbed;
         }
         self.tissue_walk()

@@ -8,7 +8,7 @@ use crate::trace::model::Real;
 use std::f64::consts::TAU;
 
 /// Outward axis of a wall.
-fn wall_axis<T: Real>(wall: u32) -> V3<T> {
+pub(in crate::trace) fn wall_axis<T: Real>(wall: u32) -> V3<T> {
     let s = if wall & 1 == 1 { -T::one() } else { T::one() };
     if wall < 2 { v3(s, T::zero(), T::zero()) } else { v3(T::zero(), s, T::zero()) }
 }
@@ -32,7 +32,7 @@ impl<T: Real> Path<'_, T> {
         table + cell(sin_sq) * TABLE_EDGE + cell(turn)
     }
 
-    fn led_radiance(&self, led: &Led<T>, c: T, v: V3<T>) -> T {
+    pub(in crate::trace) fn led_radiance(&self, led: &Led<T>, c: T, v: V3<T>) -> T {
         if c <= led.cos_cutoff {
             return T::zero();
         }
@@ -128,7 +128,7 @@ impl<T: Real> Path<'_, T> {
         self.weight = one;
         self.bounces = 0;
         self.wall = led.wall;
-        self.reflected = false;
+        self.turns = 0;
         let [half_x, half_y] = self.model.half_size;
         let (face, width) = if x_wall { (half_x, half_y) } else { (half_y, half_x) };
         self.o = out * face + tangent * along + V3::up() * z;

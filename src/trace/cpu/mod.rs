@@ -14,9 +14,11 @@ pub mod touch;
 pub mod vec3;
 pub mod walk;
 
+pub(super) use led::wall_axis;
+pub(super) use vec3::V3;
+
 use super::kernel::Kernel;
 use super::model::{Model, Real};
-use vec3::V3;
 
 /// How a walk ends, or that it goes on. Numbers as in `scene.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,6 +47,9 @@ pub enum End {
     /// An aimed photon that can meet tissue no more.
     Astray = 10,
 }
+
+/// Mark of a path that inner faces, walls or tissue sent another way.
+pub const STRAY: u32 = 1 << 31;
 
 /// Slots of the flux ledger. Numbers as in `scene.wgsl`.
 pub mod book {
@@ -131,8 +136,8 @@ pub struct Path<'m, T: Real> {
     pub bounces: u32,
     /// Wall it met: 0 +x, 1 -x, 2 +y, 3 -y.
     pub wall: u32,
-    /// Has been reflected at least once.
-    pub reflected: bool,
+    /// Reflections at outer faces; with [`STRAY`], others too.
+    pub turns: u32,
     /// Normal of the touched face at [`End::Touch`].
     pub normal: V3<T>,
     /// A surface search did not converge.
@@ -170,7 +175,7 @@ impl<'m, T: Real> Path<'m, T> {
             seed: 0,
             bounces: 0,
             wall: 0,
-            reflected: false,
+            turns: 0,
             normal: V3::up(),
             lost: false,
             field_slope: [T::zero(); 2],

@@ -196,7 +196,7 @@ impl<T: Real> Path<'_, T> {
                 if r.mixed < one {
                     self.leave_tissue(self.o.x, self.o.y, self.weight * (one - r.mixed) * albedo);
                 }
-            } else {
+            } else if self.turns >= self.kernel.unfolded {
                 let at = 2 * self.texel(self.o.x, self.o.y);
                 self.deposit(at, self.weight * (one - r.contact));
                 self.deposit(at + 1, self.weight * (one - r.gap));

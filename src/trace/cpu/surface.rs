@@ -169,7 +169,8 @@ impl<T: Real> Path<'_, T> {
             let root = (slope * slope + two * k * gap).sqrt();
             let step = if slope < zero { two * gap / (root - slope) } else { (root + slope) / k };
             // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k step.
-            if slope < zero && step < c(1e-5) {
+            let straight = k * step < c(1e-5) && k * step * step < c(1e-8) && t + step <= border;
+            if slope < zero && (step < c(1e-5) || straight) {
                 self.field_slope = [h[1], h[2]];
                 return t + step;
             }

@@ -2,7 +2,7 @@
 
 use super::fresnel::{fresnel, reflectance};
 use super::rough::tangents;
-use super::{End, Path, V3};
+use super::{End, Path, STRAY, V3};
 use crate::trace::model::{Real, Tissue};
 
 /// Reflectance of the boundary: of the whole, of true contact, of the gap.
@@ -129,7 +129,7 @@ impl<'m, T: Real> Path<'m, T> {
             let (t1, t2) = tangents(self.normal);
             self.p = (t1 * phi.cos() + t2 * phi.sin()) * s - self.normal * a;
             self.layer = top;
-            self.reflected = true;
+            self.turns |= STRAY;
             return End::GoesOn;
         }
         End::Cap
@@ -137,6 +137,6 @@ impl<'m, T: Real> Path<'m, T> {
 
     pub(super) fn touch_reflect(&mut self) {
         self.mirror(self.normal);
-        self.reflected = true;
+        self.turns += 1;
     }
 }

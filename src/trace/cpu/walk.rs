@@ -3,7 +3,7 @@
 use super::fresnel::fresnel;
 use super::surface::far;
 use super::vec3::V3;
-use super::{End, Path, book};
+use super::{End, Path, STRAY, book};
 use crate::trace::model::{Real, Walls};
 
 fn safe_divide<T: Real>(a: T, b: T) -> T {
@@ -53,7 +53,7 @@ impl<T: Real> Path<'_, T> {
         let code = i as u32 * 4;
         if b_sq <= T::zero() {
             self.record(code, -b_sq);
-            self.reflected = true;
+            self.turn(i);
             self.bounce(i, normal, m, side, a);
             return false;
         }
@@ -73,7 +73,7 @@ impl<T: Real> Path<'_, T> {
         if u < chance {
             self.weight = self.weight * (r / chance);
             self.record(code + 1, chance - u);
-            self.reflected = true;
+            self.turn(i);
             self.bounce(i, normal, m, side, a);
             return false;
         }
@@ -81,6 +81,10 @@ impl<T: Real> Path<'_, T> {
         self.record(code + 2, u - chance);
         self.refract_through(i, normal, m, side, a, b);
         true
+    }
+
+    fn turn(&mut self, i: usize) {
+        self.turns = if i == 0 || i == self.top() { self.turns + 1 } else { self.turns | STRAY };
     }
 
     /// Whether a path above the touched face rises faster than that face does anywhere.
@@ -98,9 +102,10 @@ impl<T: Real> Path<'_, T> {
         if self.bounces >= self.limits.event_cap {
             return End::Cap;
         }
-        let faint = self.weight < T::of(if self.eye { 0.01 } else { 0.1 });
-        if faint || self.bounces > self.limits.roulette_start {
-            let keep = T::of(if faint { 0.5 } else { 0.95 });
+        let least = T::of(if self.eye { 0.01 } else { 0.1 });
+        if self.weight < least || self.bounces > self.limits.roulette_start {
+            // Survivors weigh twice the least: at the least itself rounding would decide whether they play again.
+            let keep = (T::of(0.5) * self.weight / least).min(T::of(0.95));
             if self.draw() >= keep {
                 return End::Roulette;
             }
@@ -176,7 +181,7 @@ impl<T: Real> Path<'_, T> {
                 return End::Wall;
             }
         }
-        self.reflected = true;
+        self.turns |= STRAY;
         End::GoesOn
     }
 

@@ -10,6 +10,7 @@
 //!
 //! Everything smaller is an override constant, folded when the pipeline is built.
 
+use super::layout::{self, Wgsl};
 use crate::trace::backend::{CameraMode, PhotonMode};
 use crate::trace::kernel::{Kernel, ShapePiece};
 use crate::trace::leds::Led;
@@ -72,7 +73,7 @@ pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> String {
     pieces.concat()
 }
 
-/// Functions `layer_FIELD(k)`, `face_FIELD(i)` and `lamp_FIELD(k)` with the scene's numbers: chains of selects over constants.
+/// `scene`, and functions `layer_FIELD(k)`, `face_FIELD(i)` and `lamp_FIELD(k)` with the scene's numbers: chains of selects over constants.
 fn accessors(model: &Model<f32>) -> String {
     let field_vectors = match &model.shape {
         Shape::Field(f) => match &f.heights {
@@ -81,10 +82,11 @@ fn accessors(model: &Model<f32>) -> String {
         },
         _ => 0,
     };
-    let mut text = String::new();
+    // A private variable that nothing writes: drivers fold it, and naga 30 refuses it as a constant. As a uniform it made llvmpipe
+    // compile the kernel anew for each replicate.
+    let mut text = format!("var<private> scene: Scene = {};\n", layout::scene(model).wgsl());
     let mut float = |name: &str, values: Vec<f32>| {
-        // Rust prints the shortest decimal that reads back as the same f32.
-        accessor(&mut text, name, "f32", values.iter().map(|v| format!("f32({v:?})")));
+        accessor(&mut text, name, "f32", values.iter().map(Wgsl::wgsl));
     };
     let layer = |get: fn(&Layer<f32>) -> f32| model.layers.iter().map(get).collect();
     float("layer_n", layer(|l| l.n));
@@ -113,12 +115,12 @@ fn accessors(model: &Model<f32>) -> String {
     float("lamp_launch", led(|l| l.launch));
     float("lamp_aim_low", led(|l| l.aim[0]));
     float("lamp_aim_high", led(|l| l.aim[1]));
-    let word = |v: usize| format!("{v}u");
+    let word = |v: usize| (v as u32).wgsl();
     accessor(&mut text, "lamp_wall", "u32", model.leds.iter().map(|l| word(l.wall as usize)));
     accessor(&mut text, "lamp_air", "u32", model.leds.iter().map(|l| word(usize::from(l.air))));
     accessor(&mut text, "lamp_table", "u32", model.leds.iter().map(|l| word(l.table.unwrap_or(u32::MAX as usize))));
     let mut picked = |name: &str, cumulative: fn(&Led<f32>) -> f32| {
-        let past = model.leds.iter().rev().skip(1).map(|l| format!(" + select(0u, 1u, u >= f32({:?}))", cumulative(l)));
+        let past = model.leds.iter().rev().skip(1).map(|l| format!(" + select(0u, 1u, u >= {})", cumulative(l).wgsl()));
         text.push_str(&format!("fn {name}(u: f32) -> u32 {{ return 0u{}; }}\n", past.collect::<String>()));
     };
     picked("lamp_picked", |l| l.cumulative);
@@ -170,5 +172,9 @@ pub fn constants(kernel: &Kernel, entry: Entry) -> Vec<(&'static str, f64)> {
             ("AIMED", kernel.aimed && mode != PhotonMode::Ledger),
         ]),
     }
-    constants.into_iter().map(|(name, on)| (name, f64::from(u8::from(on)))).collect()
+    let mut constants: Vec<_> = constants.into_iter().map(|(name, on)| (name, f64::from(u8::from(on)))).collect();
+    if kernel.touched && entry == Entry::Photons(PhotonMode::Map) {
+        constants.push(("UNFOLDED", f64::from(kernel.unfolded)));
+    }
+    constants
 }

@@ -1,16 +1,23 @@
-//! The uniforms of the shaders, member for member as in `scene.wgsl`; a test holds them to naga's offsets.
+//! The structs of the shaders, member for member as in `scene.wgsl`; a test holds them to naga's offsets.
 
 use crate::trace::cpu::random::shift;
 use crate::trace::model::{Heights, Model, Shape};
 use bytemuck::{Pod, Zeroable};
 
-macro_rules! uniform {
+macro_rules! shader_struct {
     ($(#[$doc:meta])* $name:ident { $($field:ident: $kind:ty),* $(,)? }) => {
         $(#[$doc])*
         #[repr(C)]
         #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
         #[allow(missing_docs)]
         pub struct $name { $(pub $field: $kind),* }
+
+        impl $name {
+            /// The value as a WGSL expression.
+            pub fn wgsl(&self) -> String {
+                format!("{}({})", stringify!($name), [$(self.$field.wgsl()),*].join(", "))
+            }
+        }
 
         #[cfg(test)]
         impl $name {
@@ -21,7 +28,31 @@ macro_rules! uniform {
     };
 }
 
-uniform! {
+/// A value as a WGSL expression.
+pub(super) trait Wgsl {
+    fn wgsl(&self) -> String;
+}
+
+impl Wgsl for f32 {
+    fn wgsl(&self) -> String {
+        // Rust prints the shortest decimal that reads back as the same f32; WGSL has no infinity.
+        format!("f32({:?})", self.clamp(Self::MIN, Self::MAX))
+    }
+}
+
+impl Wgsl for u32 {
+    fn wgsl(&self) -> String {
+        format!("{self}u")
+    }
+}
+
+impl<T: Wgsl> Wgsl for [T; 2] {
+    fn wgsl(&self) -> String {
+        format!("vec2({}, {})", self[0].wgsl(), self[1].wgsl())
+    }
+}
+
+shader_struct! {
     /// `Scene` of `scene.wgsl`.
     Scene {
         half_size: [f32; 2], layer_count: u32, led_count: u32,
@@ -37,7 +68,7 @@ uniform! {
     }
 }
 
-uniform! {
+shader_struct! {
     /// `Run` of `scene.wgsl`.
     Run {
         seed: u32, first: u32, count: u32, samples: u32, first_sample: u32,
@@ -66,7 +97,7 @@ impl Run {
     }
 }
 
-/// The scene uniform of a model.
+/// The scene of a model.
 pub fn scene(m: &Model<f32>) -> Scene {
     let size = |s: [usize; 2]| s.map(|v| v as u32);
     let mut out = Scene {

@@ -28,7 +28,6 @@ pub struct GpuTracer {
     kernel: Kernel,
     model: Model<f32>,
     run: wgpu::Buffer,
-    scene: wgpu::Buffer,
     led_tables: wgpu::Buffer,
     surface: [wgpu::Buffer; 2],
     share: wgpu::Buffer,
@@ -55,13 +54,11 @@ impl GpuTracer {
         let kernel = Kernel::of(&model);
         let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
         let (surface_a, surface_b) = layout::shape(&model);
-        let uniform = |what, bytes: &[u8]| gpu.upload(what, bytes, Usage::UNIFORM);
         let storage = |what, words: &[f32]| gpu.upload(what, bytemuck::cast_slice(words), Usage::STORAGE);
         let tables: Vec<f32> = model.led_tables.iter().flatten().copied().collect();
         let grid = model.tissue.as_ref().map_or(&[][..], |t| &t.grid);
         Ok(Self {
             run: gpu.buffer("run", size_of::<layout::Run>() as u64, Usage::UNIFORM)?,
-            scene: uniform("scene", bytemuck::bytes_of(&layout::scene(&model)))?,
             led_tables: storage("LED tables", &tables)?,
             surface: [storage("surface", &surface_a)?, storage("triangles", &surface_b)?],
             share: storage("contact share", grid)?,
@@ -160,7 +157,7 @@ impl GpuTracer {
         let uniform = wgpu::BufferBindingType::Uniform;
         let read = wgpu::BufferBindingType::Storage { read_only: true };
         let write = wgpu::BufferBindingType::Storage { read_only: false };
-        let mut out = vec![(0, &self.scene, uniform), (1, &self.run, uniform), (5, &self.led_tables, read)];
+        let mut out = vec![(1, &self.run, uniform), (5, &self.led_tables, read)];
         if self.kernel.has_fields() || self.kernel.shape == ShapePiece::Mesh {
             out.push((8, &self.surface[0], read));
         }
