@@ -14,6 +14,7 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use tirtouch::mechanics::contact::{Contact, Counterpart, Grip, Profile};
+use tirtouch::mechanics::element::PressureOrder;
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::Material;
 use tirtouch::mechanics::mesh::{
@@ -106,6 +107,7 @@ fn tied_setup(law: LawName, depth_mm: f64, resolution: Resolution, nu: f64) -> R
     let ball = InclusionShape { center_mm: [0.0, 0.0, 9.0], surface: Star::Ellipsoid { semi_axes_mm: [4.0; 3] } };
     Ok(Setup {
         kinematics: Kinematics::Axisymmetric,
+        pressure: PressureOrder::Linear,
         phantom: PhantomMesh {
             shape: PhantomShape::Cylinder { radius_mm: 30.0, height_mm: 25.0 },
             inclusions: vec![ball],
@@ -191,13 +193,9 @@ fn hertz(rung: usize, nu: f64) -> Result<(Mesh, Value)> {
     let ball = Counterpart::Rigid { profile: Profile::Round { radius_mm: BALL_MM }, center: [0.0; 2] };
     let contact = Contact::new(kinematics, &mesh, &facets, ball, Grip::Frictionless, material.law.shear_kpa(), 1.0);
     let problem = Problem {
-        kinematics,
         supports: held(&mesh, 1.0 / BALL_MM),
-        mesh,
-        materials: vec![material],
-        forces: Vec::new(),
         contacts: vec![contact],
-        seconds_per_load: None,
+        ..Problem::free(kinematics, mesh, vec![material])
     };
     let mut solver = Solver::new(&problem);
     let state = follow(&mut solver, problem.start(), &[1.0], &mut |_| true)?;

@@ -1,6 +1,7 @@
-//! Ladders of the press: meshes against a finer one, load steps against more of them.
+//! Ladders of the press: meshes and orders of elements against a finer mesh, load steps against more of them.
 
 use super::{ErrorEstimate, Rung};
+use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::path::PathError;
 use crate::mechanics::press::error_estimate::difference;
@@ -12,6 +13,12 @@ use serde::{Deserialize, Serialize};
 const EDGE_ORDER: f64 = 1.0;
 /// Names of the two errors.
 const QUANTITIES: [(&str, &str); 2] = [("force", "force"), ("pressure", "pressure, rms over 0.8 of the footprint")];
+
+/// The family of meshes.
+pub const MESH: &str = "mesh";
+/// Rungs of lower order beside those of `MESH`.
+const ORDER: &str = "element order";
+const LOADS: &str = "load steps";
 
 /// One press of the ladders, or a reference.
 #[derive(Debug, Clone)]
@@ -69,7 +76,7 @@ pub fn choices(setup: &Setup, quick: bool) -> Vec<Choice> {
         let mut setup = setup.clone();
         setup.phantom.resolution.subdivision = divisions;
         Choice {
-            family: "mesh",
+            family: MESH,
             setting: format!("elements divided by {divisions}"),
             level: divisions,
             setup,
@@ -77,12 +84,18 @@ pub fn choices(setup: &Setup, quick: bool) -> Vec<Choice> {
             is_reference: divisions == reference,
         }
     };
-    let mut choices: Vec<Choice> = divisions.chain([reference]).map(mesh).collect();
+    let mut choices: Vec<Choice> = divisions.clone().chain([reference]).map(mesh).collect();
+    choices.extend(divisions.map(mesh).map(|choice| Choice {
+        family: ORDER,
+        setup: Setup { pressure: PressureOrder::Constant, ..choice.setup },
+        is_default: false,
+        ..choice
+    }));
     if let Load::Depths(depths) = &setup.load {
         let counts: &[usize] = if quick { &[1, 2, 4] } else { &[1, 2, 4, 8, 16] };
         let most = counts.last().copied();
         choices.extend(counts.iter().map(|&count| Choice {
-            family: "load steps",
+            family: LOADS,
             setting: format!("{} loads", count * depths.len()),
             level: count * depths.len(),
             setup: Setup { load: Load::Depths(divided(depths, count)), ..setup.clone() },
@@ -129,11 +142,16 @@ impl Found {
     }
 }
 
+/// The presses that a family compares, its reference among them.
+fn members<'a>(all: &'a [(Choice, Found)], family: &str) -> Vec<&'a (Choice, Found)> {
+    all.iter().filter(|(c, _)| c.family == family || (family == ORDER && c.family == MESH)).collect()
+}
+
 /// The highest load that all presses of a family reached: depth in mm, or force in N.
 pub fn common_load(all: &[(Choice, Found)], family: &str) -> Option<f64> {
-    let members = || all.iter().filter(|(choice, _)| choice.family == family).map(|(_, found)| found);
-    let loads = members().next()?.reached.iter().rev().map(|reached| reached.asked);
-    loads.into_iter().find(|&asked| members().all(|found| found.at(asked).is_some()))
+    let members = members(all, family);
+    let mut loads = members.first()?.1.reached.iter().rev().map(|reached| reached.asked);
+    loads.find(|&asked| members.iter().all(|(_, found)| found.at(asked).is_some()))
 }
 
 /// Differences to the reference as shares: of the force, and of the pressure.
@@ -141,23 +159,25 @@ fn differences(setup: &Setup, found: &Reached, reference: &Reached) -> [f64; 2] 
     [found.force_n / reference.force_n - 1.0, difference(setup, &found.points, &reference.points)]
 }
 
-/// The rungs of force and pressure, at the highest load that all of a family reached. The reference of a mesh is off by what the finest rung's error leaves of it; that of load
-/// steps is the same mesh, exact to the solver.
+/// The rungs of force and pressure, at the highest load that all of a family reached. The reference of a mesh is off by what
+/// the finest rung's error leaves of it; that of load steps is the same mesh, exact to the solver.
 pub fn rungs(all: &[(Choice, Found)]) -> Vec<Rung> {
     let mut rungs = Vec::new();
-    for family in ["mesh", "load steps"] {
-        let members = || all.iter().filter(|(choice, _)| choice.family == family);
-        let Some((reference, exact)) = members().find(|(choice, _)| choice.is_reference) else { continue };
+    for family in [MESH, ORDER, LOADS] {
+        let members = members(all, family);
+        let Some((reference, exact)) = members.iter().find(|(choice, _)| choice.is_reference) else { continue };
         let Some(load) = common_load(all, family) else { continue };
         let Some(exact) = exact.at(load) else { continue };
-        let measured: Vec<(&Choice, &Found, [f64; 2])> = members()
+        let measured: Vec<(&Choice, &Found, [f64; 2])> = members
+            .iter()
             .filter(|(choice, _)| !choice.is_reference)
             .filter_map(|(choice, found)| Some((choice, found, differences(&choice.setup, found.at(load)?, exact))))
             .collect();
         for (which, (quantity, series)) in QUANTITIES.into_iter().enumerate() {
-            let left = match measured.iter().max_by_key(|(choice, ..)| choice.level) {
+            let alike = measured.iter().filter(|(choice, ..)| choice.setup.pressure == reference.setup.pressure);
+            let left = match alike.max_by_key(|(choice, ..)| choice.level) {
                 // d = e (1 - r^-q): the reference is off by e r^-q = d / (r^q - 1).
-                Some((finest, _, differences)) if family == "mesh" => {
+                Some((finest, _, differences)) if family != LOADS => {
                     let refined = reference.level as f64 / finest.level as f64;
                     differences[which].abs() / (refined.powf(EDGE_ORDER) - 1.0)
                 }
@@ -165,12 +185,16 @@ pub fn rungs(all: &[(Choice, Found)]) -> Vec<Rung> {
             };
             rungs.extend(measured.iter().map(|(choice, found, differences)| Rung {
                 family: family.into(),
-                series: series.into(),
+                series: match (family, choice.setup.pressure) {
+                    (ORDER, PressureOrder::Constant) => format!("{quantity}, constant pressures (Q2/P0)"),
+                    (ORDER, PressureOrder::Linear) => format!("{quantity}, linear pressures (Q2/P-1)"),
+                    _ => series.into(),
+                },
                 setting: match &found.stopped {
                     Some(why) => format!("{}; {why}", choice.setting),
                     None => choice.setting.clone(),
                 },
-                level: Some(if family == "mesh" { found.unknowns as f64 } else { choice.level as f64 }),
+                level: Some(if family == LOADS { choice.level as f64 } else { found.unknowns as f64 }),
                 quantity: quantity.into(),
                 error: ErrorEstimate::of_difference(differences[which], left),
                 seconds: found.seconds,
@@ -198,12 +222,12 @@ mod tests {
             unknowns: 1,
             iterations: 1,
         };
-        let choices: Vec<Choice> = choices(&setup, false).into_iter().filter(|c| c.family == "mesh").collect();
+        let choices: Vec<Choice> = choices(&setup, false).into_iter().filter(|c| c.family == MESH).collect();
         let loads: [&[f64]; 2] = [&[1.0, 2.0, 4.0], &[1.0, 2.0 + 1e-13]];
         let mut all: Vec<(Choice, Found)> = choices.into_iter().zip(loads.map(found)).collect();
-        assert_eq!(common_load(&all, "mesh"), Some(2.0));
+        assert_eq!(common_load(&all, MESH), Some(2.0));
         all[1].1.reached.clear();
-        assert_eq!(common_load(&all, "mesh"), None);
+        assert_eq!(common_load(&all, MESH), None);
     }
 
     #[test]

@@ -59,7 +59,7 @@ pub struct Family {
 }
 
 /// All families.
-pub const FAMILIES: [Family; 6] = [
+pub const FAMILIES: [Family; 7] = [
     Family { name: "samples", title: "samples and integrator", slopes: &[(-0.5, "Monte Carlo, slope −1/2")] },
     Family { name: "map texel", title: "texels of the map", slopes: &[] },
     Family { name: "height field", title: "points of height fields", slopes: &[] },
@@ -67,6 +67,11 @@ pub const FAMILIES: [Family; 6] = [
     Family {
         name: "mesh",
         title: "finite elements",
+        slopes: &[(-0.5, "first order in 2-D, slope −1/2"), (-1.0, "second order in 2-D, slope −1")],
+    },
+    Family {
+        name: "element order",
+        title: "order of the elements",
         slopes: &[(-0.5, "first order in 2-D, slope −1/2"), (-1.0, "second order in 2-D, slope −1")],
     },
     Family { name: "load steps", title: "load steps", slopes: &[] },

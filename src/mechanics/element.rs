@@ -2,7 +2,8 @@
 //!
 //! Displacement and geometry share the 3^dim Lagrange functions on the lattice {-1, 0, 1}. The pressure is linear in the
 //! reference coordinates of space, not of the element, which keeps its order on distorted elements (Boffi and Gastaldi
-//! 2002, Numer. Math. 92, 23). The pair is stable at the incompressible limit (Girault and Raviart 1986).
+//! 2002, Numer. Math. 92, 23). The pair is stable at the incompressible limit (Girault and Raviart 1986). So is that with
+//! constant pressures, but of lower order.
 
 use std::sync::LazyLock;
 
@@ -10,6 +11,26 @@ use std::sync::LazyLock;
 pub const MAX_NODES: usize = 27;
 /// Pressure functions of the largest element.
 pub const MAX_PRESSURES: usize = 4;
+
+/// Order of an element's pressure, and with it of the element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PressureOrder {
+    /// Constant (Q2/P0): displacements of second order, stresses of first.
+    Constant,
+    /// Linear (Q2/P-1): displacements of third order, stresses of second.
+    #[default]
+    Linear,
+}
+
+impl PressureOrder {
+    /// Number of pressure functions of an element.
+    pub fn functions(self, dim: usize) -> usize {
+        match self {
+            Self::Constant => 1,
+            Self::Linear => dim + 1,
+        }
+    }
+}
 
 /// A function of one coordinate and its derivative, for the three Lagrange functions on {-1, 0, 1}.
 pub fn lagrange(xi: f64) -> [[f64; 2]; 3] {

@@ -1,6 +1,7 @@
 //! From the words of a scene to materials and shapes.
 
 use super::contact::Grip;
+use super::element::PressureOrder;
 use super::kinematics::Kinematics;
 use super::material::{Law, Material, MaterialError, OgdenTerm, Prony};
 use super::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Resolution, Star};
@@ -91,6 +92,7 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
     let base = if flat { Resolution::PLANE } else { Resolution::SOLID };
     Ok(Setup {
         kinematics: if flat { Kinematics::Axisymmetric } else { Kinematics::ThreeDimensional },
+        pressure: PressureOrder::Linear,
         phantom: PhantomMesh {
             shape: phantom_shape(&phantom.shape),
             symmetry: [0, 1].map(|axis| flat || inclusions.iter().all(|shape| is_symmetric(shape, axis))),

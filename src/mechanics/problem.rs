@@ -1,7 +1,7 @@
 //! A boundary value problem and its states.
 
 use super::contact::{Contact, Grip};
-use super::element::quadrature;
+use super::element::{PressureOrder, quadrature};
 use super::kinematics::Kinematics;
 use super::material::{History, Material};
 use super::mesh::Mesh;
@@ -11,6 +11,8 @@ use super::mesh::Mesh;
 pub struct Problem {
     /// Setting.
     pub kinematics: Kinematics,
+    /// Order of the elements' pressure.
+    pub pressure: PressureOrder,
     /// The bodies, in one mesh.
     pub mesh: Mesh,
     /// Material of each region.
@@ -43,7 +45,7 @@ pub struct State {
     pub load: f64,
     /// Displacement of each node, mm.
     pub displacement: Vec<[f64; 3]>,
-    /// Pressure coefficients, dim + 1 an element, kPa; tension positive.
+    /// Pressure coefficients, [`Problem::pressures`] an element, kPa; tension positive.
     pub pressure: Vec<f64>,
     /// Traction at each touched node of each contact, kPa of the undeformed face: (normal pressure, 0, 0) and tangential
     /// traction; bonded faces hold the whole vector in the second.
@@ -65,7 +67,8 @@ impl Problem {
     /// Bodies that nothing holds, loads or touches yet.
     pub fn free(kinematics: Kinematics, mesh: Mesh, materials: Vec<Material>) -> Self {
         let (supports, forces, contacts) = (Vec::new(), Vec::new(), Vec::new());
-        Self { kinematics, mesh, materials, supports, forces, contacts, seconds_per_load: None }
+        let pressure = PressureOrder::default();
+        Self { kinematics, pressure, mesh, materials, supports, forces, contacts, seconds_per_load: None }
     }
 
     /// The undeformed state.
@@ -73,7 +76,7 @@ impl Problem {
         State {
             load: 0.0,
             displacement: vec![[0.0; 3]; self.mesh.nodes.len()],
-            pressure: vec![0.0; self.mesh.element_count() * (self.kinematics.dim() + 1)],
+            pressure: vec![0.0; self.mesh.element_count() * self.pressures()],
             traction: self.contacts.iter().map(|c| vec![Traction::default(); c.nodes.len()]).collect(),
             history: self.mesh.region.iter().map(|&region| self.rest(region)).collect(),
         }
@@ -86,6 +89,11 @@ impl Problem {
             }
             _ => Vec::new(),
         }
+    }
+
+    /// Pressure coefficients of an element.
+    pub fn pressures(&self) -> usize {
+        self.pressure.functions(self.kinematics.dim())
     }
 
     /// Number of displacement unknowns.

@@ -219,7 +219,7 @@ struct Element<'a> {
 impl<'a> Element<'a> {
     fn new(problem: &Problem, state: &'a State, e: usize) -> Self {
         let pick = |all: &[[f64; 3]]| problem.mesh.element(e).iter().map(|&a| all[a as usize]).collect();
-        let count = problem.kinematics.dim() + 1;
+        let count = problem.pressures();
         Self {
             nodes: pick(&problem.mesh.nodes),
             displacement: pick(&state.displacement),

@@ -54,7 +54,8 @@ pub fn pressure_frame(nodes: &[[f64; 3]]) -> [[f64; 3]; 2] {
     [[0, 1, 2].map(|i| 0.5 * (low[i] + high[i])), half]
 }
 
-/// Evaluates an element; `None` where it is inside out or its law has no finite answer.
+/// Evaluates an element; `None` where it is inside out or its law has no finite answer. The number of pressure coefficients
+/// tells the order of the pressure.
 pub fn element_system(
     kinematics: Kinematics,
     nodes: &[[f64; 3]],
@@ -66,7 +67,7 @@ pub fn element_system(
 ) -> Option<ElementSystem> {
     let dim = kinematics.dim();
     let tangent = tangent_bulk_kpa.is_some();
-    let (unknowns, pressures) = (nodes.len() * dim, dim + 1);
+    let (unknowns, pressures) = (nodes.len() * dim, pressure.len().min(dim + 1));
     let frame = pressure_frame(nodes);
     let small = material.law.is_small_strain();
     let compliance = 1.0 / material.bulk_kpa();

@@ -4,6 +4,7 @@ use super::compressibility::ELEMENTS;
 use super::row::{Part, Row, Subject};
 use super::{Context, StabilityError};
 use crate::mechanics::contact::Grip;
+use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::Material;
 use crate::mechanics::mesh::{Footprint, InclusionShape, MeshError, PhantomMesh, PhantomShape, Resolution, Star};
@@ -33,6 +34,7 @@ pub fn setup(ball: Option<Ball>, poisson: f64) -> Result<Setup, StabilityError> 
     let moduli = std::iter::once(5.0).chain(ball.map(|(.., contrast)| 5.0 * contrast));
     Ok(Setup {
         kinematics: Kinematics::Axisymmetric,
+        pressure: PressureOrder::Linear,
         phantom: PhantomMesh {
             shape: PhantomShape::Cylinder { radius_mm: 30.0, height_mm: HEIGHT },
             inclusions: ball.map(inclusion).into_iter().collect(),

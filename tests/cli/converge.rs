@@ -65,7 +65,7 @@ fn a_contact_scene_has_ladders_pictures_and_a_table() {
 }
 
 #[test]
-fn a_press_has_ladders_of_meshes_and_load_steps() {
+fn a_press_has_ladders_of_meshes_orders_and_load_steps() {
     let place = Place::new();
     let scene = include_str!("../../scenes/phantom-size-8mm.toml")
         .replace("depths_mm = [1.0, 2.0, 4.0]", "depths_mm = [0.5, 1.0]\nresolution = 0.5");
@@ -83,11 +83,16 @@ fn a_press_has_ladders_of_meshes_and_load_steps() {
     for quantity in ["force", "pressure"] {
         let mesh = errors("mesh", quantity);
         assert!(mesh.len() == 2 && mesh[1] < mesh[0] && mesh[0] < 0.2, "{quantity}: {mesh:?}");
+        // Each mesh with linear pressures and with constant ones.
+        let orders = errors("element order", quantity);
+        assert!(orders.len() == 4 && orders[..2] == mesh && orders[3] > mesh[1], "{quantity}: {orders:?}");
         // An elastic press does not remember its way: steps agree to the solver's tolerance.
         let steps = errors("load steps", quantity);
         assert!(steps.len() == 2 && steps.iter().all(|e| *e < 1e-6), "{quantity}: {steps:?}");
     }
-    for name in ["converge_mesh.svg", "converge_mesh_pressure.svg", "converge_load_steps.svg"] {
+    for name in
+        ["converge_mesh.svg", "converge_mesh_pressure.svg", "converge_element_order.svg", "converge_load_steps.svg"]
+    {
         assert!(place.path().join("ladders").join(name).exists(), "{name}");
     }
 }

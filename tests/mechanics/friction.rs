@@ -70,15 +70,7 @@ fn rubbing(
     let counterpart = Counterpart::Rigid { profile, center: [0.0; 2] };
     let grip = Grip::Coulomb(friction);
     let contact = Contact::new(kinematics, &mesh, &facets, counterpart, grip, material.law.shear_kpa(), 1.0);
-    Problem {
-        kinematics,
-        mesh,
-        materials: vec![material],
-        supports: Vec::new(),
-        forces: Vec::new(),
-        contacts: vec![contact],
-        seconds_per_load: None,
-    }
+    Problem { contacts: vec![contact], ..Problem::free(kinematics, mesh, vec![material]) }
 }
 
 #[test]

@@ -88,7 +88,8 @@ pub fn errors(
                 squares[0] += point.volume * (values.sum::<f64>() - exact).powi(2);
             }
             let functions = pressure_functions(dim, &frame, point.position);
-            let found: f64 = state.pressure[e * (dim + 1)..].iter().zip(&functions[..=dim]).map(|(p, f)| p * f).sum();
+            let coefficients = &state.pressure[e * problem.pressures()..(e + 1) * problem.pressures()];
+            let found: f64 = coefficients.iter().zip(&functions).map(|(p, f)| p * f).sum();
             squares[1] += point.volume * (found - pressure(point.position)).powi(2);
         }
     }

@@ -3,6 +3,7 @@
 use super::answers::phantom;
 use super::answers::{Solved, held};
 use tirtouch::mechanics::contact::{Contact, Counterpart, Grip, Positions, Profile};
+use tirtouch::mechanics::element::PressureOrder;
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::Material;
 use tirtouch::mechanics::mesh::{Boundary, Footprint, Mesh, PhantomMesh, PhantomShape, Resolution};
@@ -83,6 +84,7 @@ fn a_ball_beside_the_middle_of_a_slab_presses_as_in_the_middle() {
 fn sensor_press(kinematics: Kinematics, phantom: PhantomMesh, layer_mm: f64, depth: f64) -> Pressed {
     let setup = Setup {
         kinematics,
+        pressure: PressureOrder::Linear,
         phantom,
         phantom_materials: vec![soft()],
         sensor: SensorBody::Layers { layers: vec![(layer_mm, soft())], edge_radius_mm: 0.0 },

@@ -92,9 +92,9 @@ impl Climb<'_> {
             all.push((choice, found));
         }
         rungs.extend(mechanics::rungs(&all));
-        let reference = all.iter().find(|(choice, _)| choice.family == "mesh" && choice.is_reference);
+        let reference = all.iter().find(|(choice, _)| choice.family == mechanics::MESH && choice.is_reference);
         let unit = if matches!(setup.load, Load::Depths(_)) { "mm" } else { "N" };
-        Ok(match (reference, mechanics::common_load(&all, "mesh")) {
+        Ok(match (reference, mechanics::common_load(&all, mechanics::MESH)) {
             (Some((choice, found)), Some(load)) => {
                 Ok(format!("{}, {} unknowns, at {} {unit}", choice.setting, found.unknowns, figure(load)))
             }

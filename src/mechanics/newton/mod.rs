@@ -282,7 +282,7 @@ impl<'a> Solver<'a> {
     fn element(&self, e: usize, state: &State, tangent_bulk_kpa: Option<f64>) -> Option<ElementSystem> {
         let (nodes, element) = self.nodes(e);
         let displacement: Vec<[f64; 3]> = element.iter().map(|&a| state.displacement[a as usize]).collect();
-        let pressures = self.problem.kinematics.dim() + 1;
+        let pressures = self.problem.pressures();
         let material = &self.problem.materials[self.problem.mesh.region[e] as usize];
         let pressure = &state.pressure[e * pressures..(e + 1) * pressures];
         let history = Some((state.history[e].as_slice(), self.seconds));
@@ -339,17 +339,17 @@ impl<'a> Solver<'a> {
         change: &[f64],
         share: f64,
     ) -> State {
-        let dim = self.problem.kinematics.dim();
+        let (dim, pressures) = (self.problem.kinematics.dim(), self.problem.pressures());
         let mut next = state.clone();
         for (k, du) in change.iter().enumerate() {
             next.displacement[k / dim][k % dim] += share * du;
         }
         for (e, system) in systems.iter().enumerate() {
             let unknowns = unknowns(self.problem.mesh.element(e), dim);
-            for p in 0..=dim {
+            for p in 0..pressures {
                 let slope = &system.pressure_slope[p * unknowns.len()..];
                 let moved: f64 = unknowns.iter().zip(slope).map(|(&k, s)| s * change[k]).sum();
-                next.pressure[e * (dim + 1) + p] += share * (system.pressure_defect[p] + moved);
+                next.pressure[e * pressures + p] += share * (system.pressure_defect[p] + moved);
             }
         }
         for (list, touching) in next.traction.iter_mut().zip(touches) {

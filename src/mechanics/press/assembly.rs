@@ -90,6 +90,7 @@ impl Assembly {
         let shear = face_shear_kpa(setup);
         let contact = Contact::new(setup.kinematics, &mesh, &facets, counterpart, setup.grip, shear, side);
         let problem = Problem {
+            pressure: setup.pressure,
             supports,
             contacts: vec![contact],
             seconds_per_load: setup.seconds_per_mm,

@@ -1,6 +1,7 @@
 //! What is pressed against what.
 
 use crate::mechanics::contact::Grip;
+use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::Material;
 use crate::mechanics::mesh::{Footprint, PhantomMesh, rim_size_mm};
@@ -10,6 +11,8 @@ use crate::mechanics::mesh::{Footprint, PhantomMesh, rim_size_mm};
 pub struct Setup {
     /// Setting: axisymmetric or three-dimensional.
     pub kinematics: Kinematics,
+    /// Order of the elements' pressure.
+    pub pressure: PressureOrder,
     /// The phantom, its inclusions and its mesh; the footprint is the sensor's face.
     pub phantom: PhantomMesh,
     /// Material of the phantom, then of each inclusion.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::mechanics::contact::Grip;
+use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::Material;
 use crate::mechanics::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Resolution, Star};
@@ -37,6 +38,7 @@ fn soft_press(material: fn(f64) -> Material, inclusions: Vec<InclusionShape>, sy
     let stiff = inclusions.iter().map(|_| material(120.0));
     Setup {
         kinematics: Kinematics::ThreeDimensional,
+        pressure: PressureOrder::Linear,
         phantom_materials: std::iter::once(material(5.0)).chain(stiff).collect(),
         phantom: PhantomMesh {
             shape: PhantomShape::Cylinder { radius_mm: 30.0, height_mm: 25.0 },

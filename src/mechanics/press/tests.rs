@@ -1,5 +1,6 @@
 use super::*;
 use crate::mechanics::contact::Grip;
+use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::{Material, Prony};
 use crate::mechanics::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Resolution, Star};
@@ -16,6 +17,7 @@ fn phantom(inclusion: Option<[f64; 3]>, soft: bool, linear: bool, depths: &[f64]
     };
     Setup {
         kinematics: Kinematics::Axisymmetric,
+        pressure: PressureOrder::Linear,
         phantom: PhantomMesh {
             shape: PhantomShape::Cylinder { radius_mm: 30.0, height_mm: 25.0 },
             inclusions: inclusion.map(ball).into_iter().collect(),
