@@ -4,6 +4,9 @@
 
 fn tissue_reentry() {}
 
+// Least share of the paths that go on as reflected where a map is read: what they see may be an LED, and nothing is lost by them.
+const REFLECTED: f32 = 0.2;
+
 // Exitance of the tissue at a point, as radiance times pi in the tissue's medium.
 fn exitance_at(xy: vec2f) -> f32 {
     let size = vec2i(scene.map_size);
@@ -32,9 +35,11 @@ fn camera_touch(light: ptr<function, f32>) -> u32 {
     if (MAPPED) {
         *light += path.weight * (1.0 - r) * exitance_at(path.o.xy) / (3.141592653589793 * scene.tissue_n * scene.tissue_n);
     }
+    let chance = select(r, max(r, REFLECTED), MAPPED);
     let u = draw();
-    record(520u + select(0u, 1u, u < r), abs(u - r));
-    if (u < r) {
+    record(520u + select(0u, 1u, u < chance), abs(u - chance));
+    if (u < chance) {
+        path.weight *= r / chance;
         touch_reflect();
         return GOES_ON;
     }

@@ -97,7 +97,7 @@ fn mirror(m: vec3f) { path.p -= 2.0 * dot(path.p, m) * m; }
 fn roulette() -> u32 {
     path.bounces += 1u;
     if (path.bounces >= EVENT_CAP) { return END_CAP; }
-    let least = select(0.1, 0.01, EYE);
+    let least = select(0.1, select(0.01, 0.003, TOUCHED), EYE);
     if (path.weight < least || path.bounces > ROULETTE_START) {
         // Survivors weigh twice the least: at the least itself rounding would decide whether they play again.
         let keep = min(0.5 * path.weight / least, 0.95);

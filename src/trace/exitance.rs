@@ -15,10 +15,10 @@ use std::collections::HashMap;
 const WIDTHS: [[usize; 2]; 6] = [[1, 3], [3, 7], [5, 11], [7, 15], [9, 19], [13, 27]];
 /// Groups of replicates that the measure of the bias tells apart.
 const GROUPS: usize = 8;
-/// Largest square of the added bias, with the error of its measure, over the variance of the wider. A box of w texels has the
-/// variance (w^2 - 1)/12, to which a bias of second order goes: the narrower's is then at most 0.41 of its own noise for all pairs,
+/// Largest square of the added bias, with the error of its measure, over the variance of the narrower. A box of w texels has the
+/// variance (w^2 - 1)/12, to which a bias of second order goes: the narrower's is then at most 0.52 of its own noise for all pairs,
 /// and at most 0.1 where the bias is of fourth order.
-const MOST_ADDED: f64 = 8.0;
+const MOST_ADDED: f64 = 3.0;
 
 /// Light per area that meets the touched face in a replicate: what would enter the tissue through true contact, and through
 /// the gap, in film units.
@@ -156,7 +156,7 @@ impl TouchedFace {
 ///
 /// T_d e - T_v e is what a width d of about 2 v adds to the bias of v. Its square is measured by products of different parts,
 /// which have no noise in common, and is known to about the error of that measure. While both together are below
-/// [`MOST_ADDED`] times the variance of T_d, v is taken: its bias is 3 to 35 times smaller than what d adds, its noise twice d's.
+/// [`MOST_ADDED`] times the variance of T_v, v is taken: its bias is 3 to 35 times smaller than what d adds.
 /// Nothing is extrapolated below v: where d is so wide that its bias no longer grows as a power, that would promise too much.
 fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
     let mut chosen = (1, 0.0);
@@ -174,7 +174,7 @@ fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
         }
         let pairs = known[&wide].iter().zip(&known[&narrow]);
         let added: Vec<Vec<f64>> = pairs.map(|(w, n)| w.iter().zip(n).map(|(w, n)| w - n).collect()).collect();
-        let (added, noise) = (Square::of(&added, area), Square::of(&known[&wide], area).noise);
+        let (added, noise) = (Square::of(&added, area), Square::of(&known[&narrow], area).noise);
         if added.common.max(0.0) + added.error > MOST_ADDED * noise {
             break;
         }

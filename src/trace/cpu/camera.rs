@@ -16,6 +16,9 @@ pub struct View<'a, T> {
     pub complement: bool,
 }
 
+/// Least share of the paths that go on as reflected where a map is read: what they see may be an LED, and nothing is lost by them.
+const REFLECTED: f64 = 0.2;
+
 /// Film units of one unit of radiance: sums are 64-bit fixed point with 48 fractional bits.
 pub const FILM_UNIT: f64 = 281_474_976_710_656.0;
 
@@ -158,9 +161,11 @@ impl<T: Real> Path<'_, T> {
             let out = self.exitance_at(texels, self.o.x, self.o.y);
             *light = *light + self.weight * (T::one() - r) * out / (T::of(PI) * tissue.n * tissue.n);
         }
+        let chance = if view.exitance.is_some() { r.max(T::of(REFLECTED)) } else { r };
         let u = self.draw();
-        self.record(520 + u32::from(u < r), (u - r).abs());
-        if u < r {
+        self.record(520 + u32::from(u < chance), (u - chance).abs());
+        if u < chance {
+            self.weight = self.weight * (r / chance);
             self.touch_reflect();
             return End::GoesOn;
         }

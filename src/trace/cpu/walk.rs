@@ -102,7 +102,11 @@ impl<T: Real> Path<'_, T> {
         if self.bounces >= self.limits.event_cap {
             return End::Cap;
         }
-        let least = T::of(if self.eye { 0.01 } else { 0.1 });
+        let least = T::of(match (self.eye, self.kernel.touched) {
+            (false, _) => 0.1,
+            (true, false) => 0.01,
+            (true, true) => 0.003,
+        });
         if self.weight < least || self.bounces > self.limits.roulette_start {
             // Survivors weigh twice the least: at the least itself rounding would decide whether they play again.
             let keep = (T::of(0.5) * self.weight / least).min(T::of(0.95));
