@@ -20,14 +20,16 @@ const LEDGER_PHOTONS: u64 = 1 << 20;
 const PATHS_TO_A_PHOTON: u64 = 8;
 /// Fewest photons for a map or a splat, unless asked for fewer.
 const LEAST_PHOTONS: u64 = 1 << 20;
+/// Photons that an asked error begins with, where the method sends any.
+const FIRST_PHOTONS: u64 = 1 << 16;
 /// Most camera paths per pixel for an asked error.
 const MOST_SPP: u32 = 1 << 24;
 /// What is taken above the work that an error found asks for, and the most at once: a first error may be a poor guess.
 const SAFETY: f64 = 1.15;
-const MOST_SCALE: f64 = 256.0;
+const MOST_SCALE: f64 = 8.0;
 /// Share of the photons in the time of a replicate, for the progress alone.
 const PHOTON_SHARE: f64 = 0.5;
-/// Largest share of photons that may get lost.
+/// Largest share of photons that may get lost; a single one of few tells nothing about the share.
 const LOST_TOLERANCE: f64 = 1e-6;
 /// Largest share of the light that may be cut off by the cap on interactions.
 const TERMINATED_TOLERANCE: f64 = 1e-4;
@@ -37,7 +39,7 @@ const TERMINATED_TOLERANCE: f64 = 1e-4;
 pub struct Settings {
     /// Method asked for.
     pub integrator: Integrator,
-    /// Camera paths per pixel; rounded up to whole replicates of at least one.
+    /// Camera paths per pixel; at least 16, rounded up to whole replicates, of which there are 16 to 31, or more of 2^15 paths.
     pub spp: u32,
     /// Photons; `None`: as many as camera paths, an eighth of that where unfolding finds most light, and at least 2^20.
     pub photons: Option<u64>,
@@ -118,7 +120,8 @@ pub struct Outcome {
 /// Renders a model. `observe` is called between chunks; false stops the work.
 ///
 /// For an asked error it renders with the least work first, and from what that leaves anew with as much as it takes: the smoothing
-/// of a map is then chosen for the noise of the whole, and its bias shrinks with it.
+/// of a map is then chosen for the noise of the whole, and its bias shrinks with it. The least work is a camera path per pixel and
+/// replicate, and few photons: these are more by themselves until they match the camera paths, and with them from there.
 pub fn render(
     model: &Model<f64>,
     settings: &Settings,
@@ -127,10 +130,15 @@ pub fn render(
     let Some(target) = settings.target_error else {
         return once(model, settings, observe);
     };
-    let mut spp = REPLICATES;
+    let kernel = Kernel::of(model);
+    let each = photons(&kernel, Plan::choose(settings.integrator, &kernel)?.method, pixels(model)) as f64;
+    // Camera paths per pixel that the photons match.
+    let mut work = f64::from(REPLICATES).min(FIRST_PHOTONS as f64 / each);
     let (mut seconds, mut setup_seconds, mut segments, mut times) = (0.0, 0.0, 0, Times::default());
     loop {
-        let outcome = once(model, &Settings { spp, photons: None, ..settings.clone() }, observe)?;
+        let spp = (work.ceil() as u32).max(REPLICATES);
+        let photons = Some(((each * work) as u64).max(FIRST_PHOTONS));
+        let outcome = once(model, &Settings { spp, photons, ..settings.clone() }, observe)?;
         seconds += outcome.seconds;
         setup_seconds += outcome.setup_seconds;
         segments += outcome.segments;
@@ -138,16 +146,16 @@ pub fn render(
         let more = match outcome.relative_error {
             Some(error) if error > target => {
                 let scale = (SAFETY * (error / target).powi(2)).clamp(SAFETY, MOST_SCALE);
-                (f64::from(spp) * scale).ceil().min(f64::from(MOST_SPP)) as u32
+                (work * scale).min(f64::from(MOST_SPP))
             }
-            Some(_) => spp,
+            Some(_) => work,
             // Dark, perhaps by chance: not more than the scene asks for is spent on it.
-            None => spp.max(settings.spp),
+            None => work.max(f64::from(settings.spp)),
         };
-        if more <= spp {
+        if more <= work {
             return Ok(Outcome { seconds, setup_seconds, segments, times, ..outcome });
         }
-        spp = more;
+        work = more;
     }
 }
 
@@ -169,13 +177,11 @@ fn once(
         pacer: Pacer::default(),
         totals: Totals::default(),
     };
-    let replicates = REPLICATES.max(settings.spp.div_ceil(REPLICATE_PATHS));
-    let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
+    let pixels = pixels(model);
+    let spp = (settings.spp / REPLICATES).clamp(1, REPLICATE_PATHS);
+    let replicates = settings.spp.div_ceil(spp).max(REPLICATES);
     let all_photons = || photons(&kernel, plan.method, pixels * u64::from(settings.spp)).max(LEAST_PHOTONS);
-    let mut work = Work {
-        spp: settings.spp.div_ceil(replicates),
-        photons: settings.photons.unwrap_or_else(all_photons).div_ceil(u64::from(replicates)),
-    };
+    let mut work = Work { spp, photons: settings.photons.unwrap_or_else(all_photons).div_ceil(u64::from(replicates)) };
     // A throw-away pilot of one path per pixel compiles the kernels and measures the machine.
     let pilot = Work { spp: 1, photons: work.photons.min(photons(&kernel, plan.method, pixels)) };
     batch.replicate(u32::MAX, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| {
@@ -194,8 +200,10 @@ fn once(
     }
     let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
     let needs_ledger = batch.method == Method::Path || kernel.aimed;
+    // For a budget it is not known how many there will be.
+    let first = if settings.seconds.is_some() { REPLICATES } else { replicates.min(2 * REPLICATES) };
     let mut gather = match batch.method {
-        Method::Map => Some(Gather::collect(&mut batch, work, &mut |done| {
+        Method::Map => Some(Gather::collect(&mut batch, first, work, &mut |done| {
             observe(Stage { done: PHOTON_SHARE * done, what: "photons" })
         })?),
         Method::Path | Method::Splat => None,
@@ -236,7 +244,7 @@ fn once(
     }
     let totals = batch.totals;
     let ledger = totals.ledger();
-    if totals.lost() as f64 > LOST_TOLERANCE * totals.photons as f64 {
+    if totals.lost() as f64 > (LOST_TOLERANCE * totals.photons as f64).max(1.0) {
         return Err(TraceError::Lost { lost: totals.lost(), sent: totals.photons });
     }
     if ledger.terminated > TERMINATED_TOLERANCE {
@@ -273,12 +281,17 @@ struct Gather {
 
 impl Gather {
     /// Sends the photons of the first replicates and chooses the smoothing from what they leave.
-    fn collect(batch: &mut Batch, work: Work, observe: &mut dyn FnMut(f64) -> bool) -> Result<Self, TraceError> {
+    fn collect(
+        batch: &mut Batch,
+        replicates: u32,
+        work: Work,
+        observe: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Self, TraceError> {
         let model = batch.model;
         let face = batch.at_map(|| TouchedFace::new(model));
-        let maps = (0..REPLICATES)
+        let maps = (0..replicates)
             .map(|index| {
-                let mut observe = |part, _: &str| observe((f64::from(index) + part) / f64::from(REPLICATES));
+                let mut observe = |part, _: &str| observe((f64::from(index) + part) / f64::from(replicates));
                 batch.contact_light(index, work, &face, &mut observe)
             })
             .collect::<Result<Vec<_>, _>>()?;
@@ -304,10 +317,17 @@ impl Gather {
     }
 }
 
-/// Photons for so many camera paths, where nothing else is asked for.
+/// Photons to match so many camera paths.
 fn photons(kernel: &Kernel, method: Method, paths: u64) -> u64 {
-    let unfolded = method == Method::Map && kernel.unfolded > 0;
-    paths / if unfolded { PATHS_TO_A_PHOTON } else { 1 }
+    match method {
+        Method::Path => 0,
+        Method::Map if kernel.unfolded > 0 => paths / PATHS_TO_A_PHOTON,
+        Method::Map | Method::Splat => paths,
+    }
+}
+
+fn pixels(model: &Model<f64>) -> u64 {
+    model.camera.size.map(u64::from).iter().product()
 }
 
 impl Outcome {
