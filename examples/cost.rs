@@ -1,4 +1,5 @@
-//! Run time against size: pixels, samples, layers, LEDs, contact area, texels of the map, points of height fields.
+//! Run time against size: pixels, samples, layers, LEDs, contact area, texels of the map, points of height fields; and how full a
+//! vector of lanes is.
 //! (Triangles: `surfaces`. Finite elements: `converge`.)
 //!
 //!     cargo run --release --example cost -- [--rounds 5] [--only pixels]
@@ -11,6 +12,8 @@ use clap::Parser;
 use std::collections::BTreeMap;
 use tirtouch::scene::{LoadedScene, Pressure, Shape, preset};
 use tirtouch::surface::{contact_map, surface};
+use tirtouch::trace::cpu::camera::View;
+use tirtouch::trace::cpu::{Limits, Path, book};
 use tirtouch::trace::{Model, Settings, render};
 
 #[derive(Parser)]
@@ -118,6 +121,52 @@ fn main() -> Result<()> {
     println!("|---|---|---|---|---|---|---|---|");
     for ladder in LADDERS.iter().filter(|ladder| ladder.name.contains(&arguments.only)) {
         climb(ladder, arguments.rounds)?;
+    }
+    if "lanes".contains(&arguments.only) {
+        println!(
+            "\n| scene | segments a camera path | share of {LANES} lanes at work | segments a photon | share |\n|---|---|---|---|---|"
+        );
+        for scene in ["flat-bonded", "dent-cap", "tsis-dent", "contact-disc"] {
+            lanes(scene)?;
+        }
+    }
+    Ok(())
+}
+
+/// Lanes of a vector of 256 bits.
+const LANES: u32 = 8;
+
+/// Segments of paths, and how many of the lanes that walk side by side still have a segment to walk: their mean over their longest.
+/// Where a path waits within a segment, in the search for a deformed face, comes on top.
+fn lanes(scene: &str) -> Result<()> {
+    let loaded = preset(scene)?;
+    let model = Model::new(&loaded, &surface(&loaded)?, contact_map(&loaded)?)?.cast::<f32>();
+    let texels = vec![[1.0f32; 4]; model.map_size.iter().product()];
+    let view = View { exitance: model.tissue.is_some().then_some(texels.as_slice()), complement: false };
+    let count = |walk: &mut dyn FnMut(&mut Path<f32>)| {
+        let mut path = Path::new(&model, Limits::default());
+        walk(&mut path);
+        path.tally[book::SEGMENTS] as f64
+    };
+    let filled = |length: &dyn Fn(u32) -> f64| {
+        let (mut all, mut longest) = (0.0, 0.0);
+        let groups = model.camera.size[0] * model.camera.size[1] / LANES;
+        for group in 0..groups {
+            let lengths = (0..LANES).map(|lane| length(group * LANES + lane));
+            let (sum, most) = lengths.fold((0.0, 0.0f64), |(sum, most), v| (sum + v, most.max(v)));
+            all += sum;
+            longest += most;
+        }
+        [all / f64::from(groups * LANES), all / (longest * f64::from(LANES))]
+    };
+    let [camera, at_work] = filled(&|pixel| count(&mut |path| _ = path.camera_path(view, 1, pixel, 0)));
+    print!("| `{scene}` | {camera:.1} | {at_work:.2} |");
+    match model.tissue {
+        Some(_) => {
+            let [photon, at_work] = filled(&|thread| count(&mut |path| path.photon(1, thread, 0)));
+            println!(" {photon:.1} | {at_work:.2} |");
+        }
+        None => println!(" - | - |"),
     }
     Ok(())
 }

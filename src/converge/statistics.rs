@@ -53,6 +53,11 @@ impl ErrorEstimate {
         Self { value: root(square), low: root(square - half), high: root(square + half) }
     }
 
+    /// The best value, or the upper end where there is none above 0.
+    pub fn bound(&self) -> f64 {
+        if self.value > 0.0 { self.value } else { self.high }
+    }
+
     /// A difference to a reference that is itself known to `uncertainty`.
     pub fn of_difference(difference: f64, uncertainty: f64) -> Self {
         let value = difference.abs();
@@ -60,18 +65,20 @@ impl ErrorEstimate {
     }
 }
 
-/// Which rungs no other beats in both time and error; rungs of one quantity compete.
+/// Which rungs no other beats in both time and error; rungs of one quantity compete, by the upper end of an error that is not
+/// told from 0.
 pub fn pareto(rungs: &[&Rung]) -> Vec<bool> {
     let beats = |a: &Rung, b: &Rung| {
-        let no_worse = a.seconds <= b.seconds && a.error.value <= b.error.value;
-        a.quantity == b.quantity && no_worse && (a.seconds < b.seconds || a.error.value < b.error.value)
+        let errors = [a, b].map(|rung| rung.error.bound());
+        let no_worse = a.seconds <= b.seconds && errors[0] <= errors[1];
+        a.quantity == b.quantity && no_worse && (a.seconds < b.seconds || errors[0] < errors[1])
     };
     rungs.iter().map(|rung| !rungs.iter().any(|other| beats(other, rung))).collect()
 }
 
-/// Slope of error against time in logarithms, by least squares; `None` of fewer than two points apart.
+/// Slope of error against time in logarithms, by least squares over errors that are told from 0; `None` of fewer than two apart.
 pub fn fitted_slope(rungs: &[&Rung]) -> Option<f64> {
-    let points = rungs.iter().filter(|r| r.error.value > 0.0 && r.seconds > 0.0);
+    let points = rungs.iter().filter(|r| r.error.low > 0.0 && r.seconds > 0.0);
     let points: Vec<[f64; 2]> = points.map(|r| [r.seconds.ln(), r.error.value.ln()]).collect();
     let n = points.len() as f64;
     let mean = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n);
@@ -155,6 +162,10 @@ mod tests {
         let rungs = [rung(1.0, 0.1), rung(2.0, 0.05), rung(2.0, 0.2), rung(4.0, 0.05)];
         let all: Vec<&Rung> = rungs.iter().collect();
         assert_eq!(pareto(&all), [true, true, false, false]);
+        // Below 0.15 is not below 0.1.
+        let mut unknown = rung(1.5, 0.0);
+        unknown.error.high = 0.15;
+        assert_eq!(pareto(&[&rungs[0], &unknown]), [true, false]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::raster::PictureError;
 use super::svg::{Anchor, Svg, text_width};
 use super::ticks;
 
-/// A point; both coordinates are above 0.
+/// A point. One whose value is not above 0 is drawn at the upper end of its bar, with an arrow down: it is somewhere below.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogPoint {
     /// Where it is.
@@ -36,7 +36,7 @@ pub enum LogStyle {
 pub struct LogSeries {
     /// Its name in the legend.
     pub name: String,
-    /// Its points; those with a coordinate of 0 or less are left out.
+    /// Its points; those without a place on logarithmic axes are left out.
     pub points: Vec<LogPoint>,
     /// How it is drawn.
     pub style: LogStyle,
@@ -71,8 +71,12 @@ impl LogPoint {
         Self { at, bar: None, label: String::new(), marked: false }
     }
 
-    fn is_drawn(&self) -> bool {
-        self.at.iter().all(|v| *v > 0.0)
+    /// Where it is drawn, and whether as an upper limit.
+    fn shown(&self) -> Option<([f64; 2], bool)> {
+        let [x, y] = self.at;
+        let limit = y <= 0.0;
+        let y = if limit { self.bar?[1] } else { y };
+        (x > 0.0 && y > 0.0).then_some(([x, y], limit))
     }
 }
 
@@ -83,12 +87,12 @@ impl LogPoint {
 pub fn log_plot(plot: &LogPlot) -> Result<String, PictureError> {
     let all = || plot.series.iter().flat_map(|s| &s.points);
     axes::check("a point", all().flat_map(|p| p.at.into_iter().chain(p.bar.into_iter().flatten())))?;
-    let points = || all().filter(|p| p.is_drawn());
-    let bars = points().filter_map(|p| p.bar).flatten().filter(|v| *v > 0.0);
-    let x = span(points().map(|p| p.at[0]));
+    let points = || all().filter_map(LogPoint::shown).map(|(at, _)| at);
+    let bars = all().filter(|p| p.shown().is_some()).filter_map(|p| p.bar).flatten().filter(|v| *v > 0.0);
+    let x = span(points().map(|at| at[0]));
     // A bar that ends near 0 would stretch the picture: two decades below the lowest point are enough.
-    let floor = points().map(|p| p.at[1]).fold(f64::INFINITY, f64::min) * 0.1;
-    let y = span(points().map(|p| p.at[1]).chain(bars.filter(|v| *v >= floor)));
+    let floor = points().map(|at| at[1]).fold(f64::INFINITY, f64::min) * 0.1;
+    let y = span(points().map(|at| at[1]).chain(bars.filter(|v| *v >= floor)));
     let axes = Axes { area: [CORNER[0], CORNER[1], SIZE[0], SIZE[1]], low: [x[0], y[0]], high: [x[1], y[1]] };
     let keys = keys(plot);
     let legend_top = CORNER[1] + SIZE[1] + 68.0;
@@ -118,8 +122,9 @@ fn place(axes: &Axes, [x, y]: [f64; 2]) -> [f64; 2] {
 }
 
 fn draw(svg: &mut Svg, axes: &Axes, series: &LogSeries, color: &str) {
-    let points: Vec<&LogPoint> = series.points.iter().filter(|p| p.is_drawn()).collect();
-    let line: Vec<[f64; 2]> = points.iter().map(|p| place(axes, p.at)).collect();
+    let points: Vec<(&LogPoint, [f64; 2], bool)> =
+        series.points.iter().filter_map(|p| p.shown().map(|(at, limit)| (p, place(axes, at), limit))).collect();
+    let line: Vec<[f64; 2]> = points.iter().map(|(_, at, _)| *at).collect();
     if series.style != LogStyle::Points && line.len() > 1 {
         let dashes = if series.style == LogStyle::Dashed { r#" stroke-dasharray="7 4""# } else { "" };
         let look = format!(r#"fill="none" stroke="{color}" stroke-width="1.8" stroke-linejoin="round"{dashes}"#);
@@ -129,15 +134,23 @@ fn draw(svg: &mut Svg, axes: &Axes, series: &LogSeries, color: &str) {
         return;
     }
     let bottom = 10f64.powf(axes.low[1]);
-    for (point, [x, y]) in points.iter().zip(line) {
-        if let Some([low, high]) = point.bar {
+    for (point, [x, y], limit) in points {
+        if limit {
+            let down = y + 24.0;
+            svg.commands(
+                &format!("M{:.1} {y:.1}h12M{x:.1} {y:.1}V{down:.1}l-4 -6M{x:.1} {down:.1}l4 -6", x - 6.0),
+                &format!(r#"fill="none" stroke="{color}" stroke-width="1.8""#),
+            );
+        } else if let Some([low, high]) = point.bar {
             let ends = [low.max(bottom * 1e-3), high].map(|v| place(axes, [point.at[0], v])[1]);
             svg.commands(
                 &format!("M{x:.1} {:.1}V{:.1}M{:.1} {:.1}h8", ends[0], ends[1], x - 4.0, ends[1]),
                 &format!(r#"fill="none" stroke="{color}" stroke-width="1.4""#),
             );
         }
-        dot(svg, [x, y], color, 7.0);
+        if !limit {
+            dot(svg, [x, y], color, 7.0);
+        }
         if point.marked {
             svg.rect([x - 9.0, y - 9.0, 18.0, 18.0], BOX);
         }
@@ -152,8 +165,9 @@ fn dot(svg: &mut Svg, [x, y]: [f64; 2], color: &str, width: f64) {
 /// Words beside points, each only where it meets no earlier one.
 fn labels(svg: &mut Svg, axes: &Axes, plot: &LogPlot) {
     let mut taken: Vec<[f64; 4]> = Vec::new();
-    for point in plot.series.iter().flat_map(|s| &s.points).filter(|p| p.is_drawn() && !p.label.is_empty()) {
-        let [x, y] = place(axes, point.at);
+    let named = plot.series.iter().flat_map(|s| &s.points).filter(|p| !p.label.is_empty());
+    for (point, at) in named.filter_map(|p| p.shown().map(|(at, _)| (p, at))) {
+        let [x, y] = place(axes, at);
         let width = text_width(&point.label);
         let (anchor, left) = if x + width + 12.0 > CORNER[0] + SIZE[0] {
             (Anchor::End, x - 12.0 - width)
@@ -274,7 +288,10 @@ mod tests {
     #[test]
     fn nothing_zeros_and_bars_to_zero_are_drawn() {
         let mut plot = plot();
+        let arrows = |plot: &LogPlot| log_plot(plot).unwrap().matches("l4 -6").count();
+        assert_eq!(arrows(&plot), 0);
         plot.series[0].points[1].at[1] = 0.0;
+        assert_eq!(arrows(&plot), 1);
         plot.series[0].points[2].bar = Some([-1.0, 1.0]);
         assert_well_formed(&log_plot(&plot).unwrap());
         plot.series.clear();

@@ -9,7 +9,8 @@ use crate::scene::{Walls, preset, validate};
 use crate::trace::batch::{Batch, Pacer, Totals};
 use crate::trace::cpu::{End, Limits, Path, book};
 use crate::trace::model::Shape;
-use crate::trace::{Method, Model};
+use crate::trace::render::accepted;
+use crate::trace::{Method, Model, TraceError};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// Steps that a hard ray is followed for.
@@ -171,6 +172,8 @@ pub fn truncated_light(_: &Context) -> Result<Vec<Row>, StabilityError> {
         [book::ABSORBED, book::TOP, book::BOTTOM, book::SIDES, book::DETECTED, book::TERMINATED, book::ROULETTE];
     let found: i64 = fates.iter().map(|&fate| path.tally[fate]).sum();
     let cut = path.tally[book::TERMINATED] as f64 / sent;
+    let totals = Totals { photons: 1024, tally: path.tally, ..Totals::default() };
+    let refused = accepted(&totals).is_err_and(|e| matches!(e, TraceError::Truncated(share) if share == cut));
     let subject = Subject::new(Part::Light, "light cut off after 8 interactions", "cpu f32");
     let mut flat = preset("flat-bonded")?.scene;
     layers(&mut flat, &[[2.0, 1.41], [0.0, 1.40], [5.0, 1.39]]);
@@ -178,6 +181,11 @@ pub fn truncated_light(_: &Context) -> Result<Vec<Row>, StabilityError> {
     Ok(vec![
         subject.absolute("ledger, share of what was sent", [found as f64 / sent, 1.0], "conservation", 1e-6, "counted"),
         subject.holds("cut-off light is booked", cut > 0.1, "never a silent cap"),
+        subject.holds(
+            "an image without that light is refused",
+            refused,
+            "1e-4 may be missing, and the error says how much",
+        ),
         thin.holds("the scene is refused", validate(&flat).is_err(), "an interface has two sides"),
     ])
 }

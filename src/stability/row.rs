@@ -97,7 +97,7 @@ impl Subject {
         reason: impl Into<String>,
     ) -> Row {
         let error = if found > bound { 0.0 } else { (bound - found).max(f64::MIN_POSITIVE) };
-        self.row(quantity, [found, bound, error, 0.0], reference_is, reason)
+        self.row(quantity, [found, bound, error, 0.0], format!("to be exceeded: {}", reference_is.into()), reason)
     }
 
     /// `found` counts what must not happen.

@@ -1,8 +1,10 @@
 //! Scenes that are hard on the tracer's geometry.
 
 use super::StabilityError;
+use crate::mechanics::from_scene::press_setup;
+use crate::mechanics::press::{PressSettings, press};
 use crate::scene::{Inner, Layer, Lens, LoadedScene, Normals, PRESETS, Roughness, Scene, Shape, Walls, preset};
-use crate::surface::{contact_map, surface};
+use crate::surface::{contact_map, pressed_contact, pressed_surface, surface};
 use crate::trace::Model;
 
 /// Pixels of the camera, which plays no part.
@@ -28,6 +30,16 @@ fn variant(name: &str, change: impl FnOnce(&mut Scene)) -> Result<Model<f64>, St
     let mut loaded = preset(name)?;
     change(&mut loaded.scene);
     model(&loaded)
+}
+
+/// A preset at its last load.
+fn pressed(name: &str) -> Result<Model<f64>, StabilityError> {
+    let mut loaded = preset(name)?;
+    loaded.scene.camera.pixels = PIXELS;
+    let pressed = press(&press_setup(&loaded)?, PressSettings { estimate_error: false }, &mut |_| true)?;
+    let step = pressed.steps.last().ok_or(StabilityError::Missing("no load was reached"))?;
+    let surface = pressed_surface(&loaded, &pressed, step)?;
+    Ok(Model::new(&loaded, &surface, pressed_contact(&loaded, &pressed, step))?)
 }
 
 /// A flat stack with mirrors all round and without LEDs.
@@ -66,7 +78,7 @@ pub fn layers(scene: &mut Scene, layers: &[[f64; 2]]) {
 pub const THIN: [[f64; 2]; 6] =
     [[2.0, 1.41], [1e-3, 1.41], [1e-5, 1.410_000_1], [4.0, 1.411], [1e-3, 4.0], [6.0, 1.38]];
 
-/// The presets without a press (those differ in where the pressure comes from), and what they leave out: height fields, a
+/// The presets without a press, one with (the others differ in their inclusions), and what they leave out: height fields, a
 /// mesh, mirrors, a lens, contact on a deformed face, thin layers.
 pub fn hard_scenes(quick: bool) -> Result<Vec<HardScene>, StabilityError> {
     let mut scenes = Vec::new();
@@ -89,6 +101,7 @@ pub fn hard_scenes(quick: bool) -> Result<Vec<HardScene>, StabilityError> {
     if quick {
         return Ok(scenes);
     }
+    add("phantom-size-8mm, pressed", pressed("phantom-size-8mm")?);
     add("dent-contact", variant("press-hertz", |s| s.touch.shape = dent.clone())?);
     add("mirror-walls", variant("contact-disc", |s| s.stack.walls = Walls::Mirror { reflectance: 0.95 })?);
     add(

@@ -55,7 +55,7 @@ struct SpreadFace {
 pub struct Smoothing {
     /// Width of the boxes for each of the two maps, texels; 1: not smoothed.
     pub widths: [usize; 2],
-    /// Root-mean-square bias over the root-mean-square light of each, as measured; 0 where it is not told from noise.
+    /// Root-mean-square bias of each over its root-mean-square light, as measured; 0 where it is not told from noise.
     pub bias: [f64; 2],
 }
 
@@ -146,13 +146,21 @@ impl TouchedFace {
         for which in (0..2).filter(|&which| self.seen[which]) {
             let group = |k: usize| mean(maps.iter().skip(k).step_by(groups).map(|map| map.light[which].as_slice()));
             let parts: Vec<Vec<f64>> = (0..groups).map(group).collect();
-            (chosen.widths[which], chosen.bias[which]) = width(&parts, &self.area, self.columns);
+            let (width, bias) = width(&parts, &self.area, self.columns);
+            // What was found without photons is not smoothed, but is light too.
+            let direct = mean(maps.iter().filter_map(|map| map.direct.as_ref()).map(|direct| direct[which].as_slice()));
+            let mut light = mean(parts.iter().map(Vec::as_slice));
+            light.iter_mut().zip(&direct).for_each(|(v, direct)| *v += direct);
+            let square: f64 = light.iter().zip(&self.area).map(|(v, area)| v * v * area).sum();
+            chosen.widths[which] = width;
+            chosen.bias[which] = if bias > 0.0 { bias / square.sqrt() } else { 0.0 };
         }
         chosen
     }
 }
 
-/// Width of the boxes that `parts`, independent estimates of the light e, bear, and its bias over the light.
+/// Width of the boxes that `parts`, independent estimates of the light e, bear, and its bias: the root of its square's integral
+/// over the face, 0 where that is below the error of its measure.
 ///
 /// T_d e - T_v e is what a width d of about 2 v adds to the bias of v. Its square is measured by products of different parts,
 /// which have no noise in common, and is known to about the error of that measure. While both together are below
@@ -160,8 +168,7 @@ impl TouchedFace {
 /// Nothing is extrapolated below v: where d is so wide that its bias no longer grows as a power, that would promise too much.
 fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
     let mut chosen = (1, 0.0);
-    let light = Square::of(parts, area);
-    if light.noise <= 0.0 {
+    if Square::of(parts, area).noise <= 0.0 {
         return chosen;
     }
     let mut known: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
@@ -181,9 +188,10 @@ fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
         // The bias is of second order at least, and nothing where nothing is smoothed.
         let variance = |width: usize| (width * width - 1) as f64;
         let share = variance(narrow) / variance(wide);
-        chosen = (narrow, added.common.max(0.0).sqrt() * share / (1.0 - share));
+        let told = if added.common > added.error { added.common.sqrt() } else { 0.0 };
+        chosen = (narrow, told * share / (1.0 - share));
     }
-    (chosen.0, if light.common > 0.0 { chosen.1 / light.common.sqrt() } else { 0.0 })
+    chosen
 }
 
 /// Mean square over the face of what independent estimates show.
@@ -294,7 +302,8 @@ mod tests {
         let (wide, bias) = width(&noisy, &area, COLUMNS);
         let raw = error(&noisy[0], bump);
         let smooth = error(&Smoother::new(&area, COLUMNS, wide).smooth(&noisy[0]), bump);
-        assert!(wide >= 9 && bias < 0.01, "{wide} {bias}");
+        let light = COLUMNS as f64 * 2.0;
+        assert!(wide >= 9 && bias < 0.01 * light, "{wide} {bias}");
         assert!(smooth < 0.11 * raw, "{smooth} {raw}");
         // The same noise about an edge: the kernel stays at the texel where photons abound.
         let edge = |x: f64, _: f64| if x < 0.5 { 1.0 } else { 2.0 };

@@ -12,6 +12,10 @@ use std::time::Instant;
 
 /// Fewest replicates behind an error estimate, but where a budget of seconds ends before.
 pub const REPLICATES: u32 = 16;
+/// Fewest where a budget of seconds ends before.
+const LEAST_REPLICATES: u32 = 3;
+/// Largest share of a budget of seconds above it that goes without saying.
+const BUDGET_TOLERANCE: f64 = 0.2;
 /// Most camera paths per pixel in a replicate: the film's sums hold 65,536 paths that each see the brightest LED.
 const REPLICATE_PATHS: u32 = 1 << 15;
 /// Photons of the ledger where the method sends none of its own or not all.
@@ -20,8 +24,8 @@ const LEDGER_PHOTONS: u64 = 1 << 20;
 const PATHS_TO_A_PHOTON: u64 = 8;
 /// Fewest photons for a map or a splat, unless asked for fewer.
 const LEAST_PHOTONS: u64 = 1 << 20;
-/// Photons that an asked error begins with, where the method sends any.
-const FIRST_PHOTONS: u64 = 1 << 16;
+/// Fewest photons of a replicate for an asked error or time.
+const FEW_PHOTONS: u64 = 1 << 12;
 /// Most camera paths per pixel for an asked error.
 const MOST_SPP: u32 = 1 << 24;
 /// What is taken above the work that an error found asks for, and the most at once: a first error may be a poor guess.
@@ -93,7 +97,7 @@ pub struct Outcome {
     pub backend: &'static str,
     /// Adapter.
     pub adapter: String,
-    /// Why the CPU was taken, where a GPU was not found.
+    /// What was not done as asked, and why: the CPU taken where no GPU was found, a budget of seconds that was too small.
     pub notice: Option<String>,
     /// Camera paths.
     pub paths: u64,
@@ -131,13 +135,17 @@ pub fn render(
         return once(model, settings, observe);
     };
     let kernel = Kernel::of(model);
-    let each = photons(&kernel, Plan::choose(settings.integrator, &kernel)?.method, pixels(model)) as f64;
-    // Camera paths per pixel that the photons match.
-    let mut work = f64::from(REPLICATES).min(FIRST_PHOTONS as f64 / each);
+    let method = Plan::choose(settings.integrator, &kernel)?.method;
+    let each = photons(&kernel, method, pixels(model)).max(FEW_PHOTONS) as f64;
+    // Camera paths per pixel that the photons match: at first fewer than there are.
+    let mut work = f64::from(REPLICATES);
+    if method != Method::Path {
+        work *= FEW_PHOTONS as f64 / each;
+    }
     let (mut seconds, mut setup_seconds, mut segments, mut times) = (0.0, 0.0, 0, Times::default());
     loop {
         let spp = (work.ceil() as u32).max(REPLICATES);
-        let photons = Some(((each * work) as u64).max(FIRST_PHOTONS));
+        let photons = Some((each * work) as u64);
         let outcome = once(model, &Settings { spp, photons, ..settings.clone() }, observe)?;
         seconds += outcome.seconds;
         setup_seconds += outcome.setup_seconds;
@@ -179,11 +187,11 @@ fn once(
     };
     let pixels = pixels(model);
     let spp = (settings.spp / REPLICATES).clamp(1, REPLICATE_PATHS);
-    let replicates = settings.spp.div_ceil(spp).max(REPLICATES);
+    let mut replicates = settings.spp.div_ceil(spp).max(REPLICATES);
     let all_photons = || photons(&kernel, plan.method, pixels * u64::from(settings.spp)).max(LEAST_PHOTONS);
     let mut work = Work { spp, photons: settings.photons.unwrap_or_else(all_photons).div_ceil(u64::from(replicates)) };
     // A throw-away pilot of one path per pixel compiles the kernels and measures the machine.
-    let pilot = Work { spp: 1, photons: work.photons.min(photons(&kernel, plan.method, pixels)) };
+    let pilot = Work { spp: 1, photons: work.photons.min(photons(&kernel, plan.method, pixels).max(FEW_PHOTONS)) };
     batch.replicate(u32::MAX, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| {
         observe(Stage { done: 0.0, what: "compiling kernels" })
     })?;
@@ -193,15 +201,20 @@ fn once(
     if let Some(budget) = settings.seconds {
         let timer = Instant::now();
         batch.replicate(u32::MAX, pilot, &mut |_, _| observe(Stage { done: 0.0, what: "measuring the machine" }))?;
+        let Times { photons, map, camera, .. } = batch.totals.times;
         batch.totals = Totals { times: batch.totals.times, ..Totals::default() };
-        let scale = (budget / timer.elapsed().as_secs_f64() / f64::from(REPLICATES) / 1.5)
-            .clamp(1.0, f64::from(REPLICATE_PATHS));
-        work = Work { spp: scale as u32, photons: (pilot.photons as f64 * scale) as u64 };
+        let left = budget - timer.elapsed().as_secs_f64();
+        let few = (FEW_PHOTONS as f64 / pilot.photons as f64).min(1.0);
+        replicates = ((left / (few * photons + map + camera)) as u32).clamp(LEAST_REPLICATES, REPLICATES);
+        // Two thirds of the budget for so many: the choice of a smoothing takes time too, and more replicates fill the rest.
+        let each = left / f64::from(replicates) / 1.5 - map;
+        let scale = (each / (photons + camera)).clamp(1.0, f64::from(REPLICATE_PATHS)).floor();
+        let share = ((each - scale * camera) / photons).clamp(few, 2.0 * scale);
+        work = Work { spp: scale as u32, photons: (pilot.photons as f64 * share) as u64 };
     }
     let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
     let needs_ledger = batch.method == Method::Path || kernel.aimed;
-    // For a budget it is not known how many there will be.
-    let first = if settings.seconds.is_some() { REPLICATES } else { replicates.min(2 * REPLICATES) };
+    let first = replicates.min(2 * REPLICATES);
     let mut gather = match batch.method {
         Method::Map => Some(Gather::collect(&mut batch, first, work, &mut |done| {
             observe(Stage { done: PHOTON_SHARE * done, what: "photons" })
@@ -228,7 +241,7 @@ fn once(
         index += 1;
         longest = longest.max(timer.elapsed().as_secs_f64());
         let enough = match settings.seconds {
-            Some(budget) => index >= 2 && start.elapsed().as_secs_f64() + longest > budget,
+            Some(budget) => index >= LEAST_REPLICATES && start.elapsed().as_secs_f64() + 0.5 * longest > budget,
             None => index >= replicates,
         };
         if enough {
@@ -243,13 +256,10 @@ fn once(
         times.ledger = start.elapsed().as_secs_f64();
     }
     let totals = batch.totals;
-    let ledger = totals.ledger();
-    if totals.lost() as f64 > (LOST_TOLERANCE * totals.photons as f64).max(1.0) {
-        return Err(TraceError::Lost { lost: totals.lost(), sent: totals.photons });
-    }
-    if ledger.terminated > TERMINATED_TOLERANCE {
-        return Err(TraceError::Truncated(ledger.terminated));
-    }
+    let ledger = accepted(&totals)?;
+    let late = settings.seconds.filter(|budget| seconds > (1.0 + BUDGET_TOLERANCE) * budget).map(|budget| {
+        format!("the least work takes more than {budget} s: {index} images of one path per pixel took {seconds:.1} s")
+    });
     let film = sum.finish();
     let mean_radiance = film.mean.iter().map(|&v| f64::from(v)).sum::<f64>() / film.mean.len() as f64;
     Ok(Outcome {
@@ -260,7 +270,7 @@ fn once(
         plan,
         backend: backend.name(),
         adapter: backend.adapter(),
-        notice,
+        notice: notice.into_iter().chain(late).reduce(|a, b| a + "; " + &b),
         paths: totals.paths,
         photons: totals.photons,
         smoothing: gather.map(|gather| gather.smoothing),
@@ -270,6 +280,18 @@ fn once(
         times,
         setup_seconds,
     })
+}
+
+/// The ledger, unless too much light is missing from the image: lost, or cut off by the cap on interactions.
+pub fn accepted(totals: &Totals) -> Result<Ledger, TraceError> {
+    if totals.lost() as f64 > (LOST_TOLERANCE * totals.photons as f64).max(1.0) {
+        return Err(TraceError::Lost { lost: totals.lost(), sent: totals.photons });
+    }
+    let ledger = totals.ledger();
+    if ledger.terminated > TERMINATED_TOLERANCE {
+        return Err(TraceError::Truncated(ledger.terminated));
+    }
+    Ok(ledger)
 }
 
 /// The maps of the first replicates, and how all are smoothed.
@@ -321,7 +343,7 @@ impl Gather {
 fn photons(kernel: &Kernel, method: Method, paths: u64) -> u64 {
     match method {
         Method::Path => 0,
-        Method::Map if kernel.unfolded > 0 => paths / PATHS_TO_A_PHOTON,
+        Method::Map if kernel.unfolded > 0 => paths.div_ceil(PATHS_TO_A_PHOTON),
         Method::Map | Method::Splat => paths,
     }
 }

@@ -228,3 +228,22 @@ fn interrupted(place: &Place, arguments: &[&str], ready: &dyn Fn() -> bool) -> s
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     child.wait_with_output().unwrap()
 }
+
+/// A camera of few pixels matches few photons: an asked time and an asked error still send enough.
+#[test]
+fn few_pixels_see_the_same_light_for_a_time_or_an_error() {
+    let place = Place::new();
+    place.write("scene.toml", &small("contact-disc").replace("pixels = [48, 36]", "pixels = [2, 2]"));
+    let seen = |flag: &str, value: &str| {
+        let output = tirtouch_in(place.path(), &["render", "scene.toml", flag, value, "--force", "--json", "--quiet"]);
+        assert_eq!(code(&output), 0, "{output:?}");
+        let said = json(&output);
+        ["mean_radiance", "absolute_error", "photons"].map(|key| said[key].as_f64().unwrap())
+    };
+    let exact = seen("--spp", "4096");
+    for (flag, value, photons) in [("--seconds", "0.3", 3.0 * 4096.0), ("--target-error", "0.1", 65_537.0)] {
+        let found = seen(flag, value);
+        assert!((found[0] - exact[0]).abs() < 5.0 * found[1].hypot(exact[1]), "{flag}: {found:?} for {exact:?}");
+        assert!(found[2] >= photons, "{flag}: {} photons", found[2]);
+    }
+}

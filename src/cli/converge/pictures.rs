@@ -53,7 +53,7 @@ fn picture(name: &str, family: &Family, quantity: &str, members: &[&Rung]) -> Re
             style: LogStyle::Dashed,
         }));
     }
-    let subtitle = format!("{name}: {}; {quantity}, against a finer reference; bars hold 95 %", family.title);
+    let subtitle = format!("{name}: {}; {quantity}; 95 % bars; arrows: at most", family.title);
     Ok(log_plot(&LogPlot {
         title: "Error against run time",
         subtitle: &subtitle,
@@ -78,6 +78,6 @@ fn front(members: &[&Rung]) -> LogSeries {
     let front = pareto(members);
     let mut best: Vec<&Rung> = members.iter().zip(front).filter(|(_, on)| *on).map(|(rung, _)| *rung).collect();
     best.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
-    let points = best.iter().map(|rung| LogPoint::plain([rung.seconds, rung.error.value])).collect();
+    let points = best.iter().map(|rung| LogPoint::plain([rung.seconds, rung.error.bound()])).collect();
     LogSeries { name: "Pareto front".into(), points, style: LogStyle::Line }
 }

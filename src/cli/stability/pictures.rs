@@ -3,7 +3,9 @@
 use crate::cli::{Failure, OutputFolder};
 use crate::report::{AxisName, Curve, CurvePlot, CurveStyle, LogPlot, LogPoint, LogSeries, LogStyle};
 use crate::report::{curve_plot, log_plot};
-use crate::stability::{Context, DriftSample, StabilityError, Tracer, about_critical, drift_curve, pressure_errors};
+use crate::stability::{
+    Context, DriftSample, Sample, StabilityError, Tracer, about_critical, drift_curve, pressure_errors,
+};
 
 impl From<StabilityError> for Failure {
     fn from(error: StabilityError) -> Self {
@@ -49,17 +51,22 @@ fn reflectance(context: &Context) -> Result<String, Failure> {
 
 /// Its error from 1e-1 to 1e-7 rad below the critical angle, for several steps of the index.
 fn reflectance_error(context: &Context) -> Result<String, Failure> {
-    let mut series = Vec::new();
+    let (mut series, mut allowed) = (Vec::new(), Vec::new());
     let sizes: Vec<f64> = (0..=240).map(|k| 10f64.powf(-1.0 - f64::from(k) / 40.0)).collect();
     let offsets: Vec<f64> = sizes.iter().map(|s| -s).collect();
     let tracer = context.tracers.first().copied().unwrap_or_else(Tracer::twin);
     for [n_i, n_t] in [[1.41, 1.0], [1.41, 1.40], [1.411, 1.41]] {
         let samples = about_critical(&tracer, [n_i, n_t], &offsets)?;
-        let points = samples.iter().map(|s| LogPoint::plain([-s.off_rad, (s.found - s.exact).abs()])).collect();
-        series.push(LogSeries { name: format!("{n_i} to {n_t}"), points, style: LogStyle::Points });
+        let points = |y: fn(&Sample) -> f64| samples.iter().map(|s| LogPoint::plain([-s.off_rad, y(s)])).collect();
+        let found = points(|s| (s.found - s.exact).abs());
+        series.push(LogSeries { name: format!("{n_i} to {n_t}"), points: found, style: LogStyle::Points });
+        allowed.push(LogSeries {
+            name: format!("allowed, {n_i} to {n_t}"),
+            points: points(|s| s.allowed),
+            style: LogStyle::Dashed,
+        });
     }
-    let allowed = [1e-7, 1e-1].map(|x| LogPoint::plain([x, 2e-4])).to_vec();
-    series.push(LogSeries { name: "allowed".into(), points: allowed, style: LogStyle::Dashed });
+    series.extend(allowed);
     Ok(log_plot(&LogPlot {
         title: "Error of the reflectance next to the critical angle",
         subtitle: tracer.name(),

@@ -35,7 +35,8 @@ impl Cells<'_> {
         self.iter().next().unwrap_or_default()
     }
 
-    /// Variance per radiance, the weight of one contribution, around each cell; none where its neighbourhood is dark.
+    /// Variance per radiance, the weight of one contribution, around each cell; that of the whole film where the neighbourhood is
+    /// dark, perhaps by chance; none where the film is.
     pub fn weights(&self) -> Vec<Option<f64>> {
         let tiles = Tiles::new(self.columns, self.mean.len());
         let mut sums = vec![(0.0, 0.0); tiles.count()];
@@ -45,10 +46,9 @@ impl Cells<'_> {
                 *variance += cell.variance;
             }
         }
-        let weight = |index| {
-            let (mean, variance) = sums.get(tiles.of(index)).copied()?;
-            (mean > 0.0).then_some(variance / mean)
-        };
+        let of = |(mean, variance): (f64, f64)| (mean > 0.0).then_some(variance / mean);
+        let whole = of(sums.iter().fold((0.0, 0.0), |whole, tile| (whole.0 + tile.0, whole.1 + tile.1)));
+        let weight = |index| sums.get(tiles.of(index)).copied().and_then(of).or(whole);
         (0..self.mean.len()).map(weight).collect()
     }
 }

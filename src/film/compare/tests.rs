@@ -151,6 +151,20 @@ fn sparse_light_is_judged_in_blocks_only() {
     assert!(result.passed);
 }
 
+/// A film of few heavy contributions has neighbourhoods without any: they say nothing against a film of many light ones.
+#[test]
+fn light_too_sparse_for_a_neighbourhood_is_no_hole() {
+    let (size, count) = ([96, 96], 5e-4);
+    for seed in 0..10 {
+        let sparse = counted(seed, size, count);
+        let smooth = film(seed + 100, size, 0.01, 1, |_, _| count);
+        assert!(compare(&smooth, &sparse, 1e-3).unwrap().passed, "{seed}");
+        assert!(compare(&sparse, &smooth, 1e-3).unwrap().passed, "{seed}");
+        let brighter = film(seed + 200, size, 0.01, 1, |_, _| 2.5 * count);
+        assert!(!compare(&sparse, &brighter, 1e-3).unwrap().passed, "{seed}");
+    }
+}
+
 #[test]
 fn cells_near_the_least_light_are_not_chosen_by_their_own_noise() {
     // 16 replicates of 7.5: 120 contributions a pixel.
