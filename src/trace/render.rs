@@ -258,7 +258,8 @@ fn once(
     let totals = batch.totals;
     let ledger = accepted(&totals)?;
     let late = settings.seconds.filter(|budget| seconds > (1.0 + BUDGET_TOLERANCE) * budget).map(|budget| {
-        format!("the least work takes more than {budget} s: {index} images of one path per pixel took {seconds:.1} s")
+        let spp = work.spp;
+        format!("more than the {budget} s asked for: {index} images of {spp} paths per pixel took {seconds:.1} s")
     });
     let film = sum.finish();
     let mean_radiance = film.mean.iter().map(|&v| f64::from(v)).sum::<f64>() / film.mean.len() as f64;
