@@ -1,0 +1,111 @@
+//! From a press to interfaces and contact as the tracer sees them.
+//!
+//! The finite elements' displacement moves every point of an interface along and across the stack; the tracer's height
+//! above a place is that of the point that lies there now.
+
+mod face;
+mod sheet;
+
+use super::{ContactMap, HeightField, Profile, Surface, SurfaceError};
+use crate::mechanics::kinematics::Kinematics;
+use crate::mechanics::mesh::Footprint;
+use crate::mechanics::press::{ContactPoint, PressStep, Pressed, SensorBody};
+use crate::scene::LoadedScene;
+use face::{Face, Facet};
+use sheet::Sheet;
+use std::collections::HashMap;
+
+/// Shape of all interfaces under a press.
+///
+/// # Errors
+/// When the footprint is too small for a height field.
+pub fn pressed_surface(loaded: &LoadedScene, pressed: &Pressed, step: &PressStep) -> Result<Surface, SurfaceError> {
+    let (SensorBody::Layers { layers, .. }, [_, sensor]) = (&pressed.setup.sensor, pressed.assembly.bodies.as_slice())
+    else {
+        return Ok(Surface::Flat);
+    };
+    let scene = &loaded.scene;
+    let points = scene.render.height_field_points as usize;
+    let interfaces = scene.stack.layer.len() + 1;
+    let footprint = scene.stack.footprint_mm;
+    let moved = &step.state.displacement[pressed.assembly.phantom_nodes..];
+    let first = interfaces - layers.len();
+    let sheet = |i: usize| (i >= first).then(|| Sheet::of_layer(pressed, sensor, moved, (i - first) as u32));
+    let round = pressed.setup.kinematics == Kinematics::Axisymmetric;
+    let surface = if round {
+        let profile = |sheet: Sheet| Profile::sample(points, footprint, [0.0; 2], |r| sheet.height([r, 0.0]));
+        every(interfaces, |i| sheet(i).map(profile)).map(Surface::Profiles)
+    } else {
+        let field = |sheet: Sheet| HeightField::sample(points, footprint, |x, y| sheet.height([x, y]));
+        every(interfaces, |i| sheet(i).map(field)).map(Surface::Fields)
+    };
+    surface.ok_or_else(|| SurfaceError::Shape {
+        key: "stack.footprint_mm",
+        message: "a height field needs 3 x 3 samples".into(),
+    })
+}
+
+/// What each interface has, if all that have something have enough samples for it.
+fn every<T>(interfaces: usize, of: impl Fn(usize) -> Option<Option<T>>) -> Option<Vec<Option<T>>> {
+    (0..interfaces).map(|i| of(i).map_or(Some(None), |sampled| sampled.map(Some))).collect()
+}
+
+/// Share of true contact under a press; `None` where the scene has no optical contact.
+pub fn pressed_contact(loaded: &LoadedScene, pressed: &Pressed, step: &PressStep) -> Option<ContactMap> {
+    let contact = loaded.scene.touch.contact.as_ref()?;
+    let footprint = loaded.scene.stack.footprint_mm;
+    let (columns, rows, pressures) = pressure_map(pressed, step, footprint, super::contact::SHARE_CELLS);
+    Some(ContactMap {
+        columns,
+        rows,
+        share: pressures.iter().map(|&p| contact.law.share(p)).collect(),
+        uniform: 0.0,
+        center_mm: [0.0; 2],
+        radius_mm: match pressed.setup.phantom.footprint {
+            Footprint::Round { radius_mm } => radius_mm,
+            Footprint::Rectangle { .. } => f64::INFINITY,
+        },
+    })
+}
+
+/// Contact pressure at the middles of cells over a rectangle about the axis, kPa: columns, rows, values, row 0 at negative
+/// y. `cells` lie along the longer side.
+pub fn pressure_map(pressed: &Pressed, step: &PressStep, size_mm: [f64; 2], cells: usize) -> (usize, usize, Vec<f64>) {
+    let pressure = PressureFace::of(pressed, step);
+    super::contact::sample(size_mm, cells, |x, y| pressure.at(x, y))
+}
+
+/// Pressure on the touched face.
+struct PressureFace {
+    face: Face,
+}
+
+impl PressureFace {
+    fn of(pressed: &Pressed, step: &PressStep) -> Self {
+        let contact = &pressed.assembly.problem.contacts[0];
+        let by_node: HashMap<u32, &ContactPoint> = step.points.iter().map(|point| (point.node, point)).collect();
+        let points = |nodes: Vec<u32>| nodes.iter().filter_map(|node| by_node.get(node).copied()).collect::<Vec<_>>();
+        let up = pressed.setup.kinematics.dim() - 1;
+        let facets = contact.facets().map(points).map(|points| {
+            let place = |p: &&ContactPoint| {
+                let across = [0, 1].map(|i| p.reference_mm[i] + p.displacement_mm[i]);
+                [across[0], if up == 2 { across[1] } else { 0.0 }]
+            };
+            Facet {
+                nodes: points.iter().map(|p| p.node).collect(),
+                places: points.iter().map(place).collect(),
+                values: points.iter().map(|p| p.pressure_kpa).collect(),
+            }
+        });
+        Self { face: Face::of(pressed, facets.collect()) }
+    }
+
+    /// Pressure at a place, kPa: linear over half facets, as the contact has it; 0 off the touched face.
+    fn at(&self, x: f64, y: f64) -> f64 {
+        let Some((k, xi)) = self.face.locate(self.face.meshed([x, y])) else { return 0.0 };
+        let hats = |c: f64| [(-c).max(0.0), 1.0 - c.abs().min(1.0), c.max(0.0)];
+        let [first, second] = [hats(xi[0]), hats(xi[1])];
+        let weight = |a: usize| first[a % 3] * if self.face.axes == 1 { 1.0 } else { second[a / 3] };
+        self.face.facets[k].values.iter().enumerate().map(|(a, p)| p * weight(a)).sum::<f64>().max(0.0)
+    }
+}
