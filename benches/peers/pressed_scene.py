@@ -11,7 +11,8 @@ import subprocess
 import mitsuba as mi
 import numpy as np
 
-RINGS, TURNS = 384, 768
+# Rings within the tissue's rim, from there to the border, and vertices on each.
+RINGS, OUTER_RINGS, TURNS = 384, 64, 768
 # The tissue's height above the touched face: more than Mitsuba moves a ray's start off the face it left (1.5 um here).
 TISSUE_MM = 0.01
 
@@ -25,16 +26,18 @@ class Faces:
         with np.errstate(divide="ignore"):
             border = np.minimum(half_mm[0] / np.abs(np.cos(angle)), half_mm[1] / np.abs(np.sin(angle)))
         rings = [np.outer(np.linspace(0.0, rim_mm, RINGS + 1)[1:], np.ones_like(angle))]
-        # Where the rim touches the border, what lies between is thinner than a micrometre and left out.
-        rings.append(np.maximum(border, rim_mm + 1e-6)[None, :])
+        # The faces level off within a millimetre or two beyond the rim, so rings are closer there. Where the rim touches the
+        # border, what lies between is thinner than a micrometre and left out.
+        beyond = np.maximum(border - rim_mm, 1e-6)
+        rings.append(rim_mm + np.outer((np.arange(1, OUTER_RINGS + 1) / OUTER_RINGS) ** 1.5, beyond))
         r = np.concatenate(rings)
         x, y = np.minimum(r, border + 1e-6) * np.cos(angle), np.minimum(r, border + 1e-6) * np.sin(angle)
         self.points = np.concatenate([[[0.0, 0.0]], np.stack([x, y], -1).reshape(-1, 2)])
         i = np.arange(r.size).reshape(r.shape) + 1
         i = np.concatenate([i, i[:, :1]], axis=1)
         center = np.stack([np.zeros(len(angle), int), i[0, :-1], i[0, 1:]], 1)
-        self.inner = np.concatenate([center, _squares(i[:-1])])
-        self.outer = _squares(i[-2:])
+        self.inner = np.concatenate([center, _squares(i[:RINGS])])
+        self.outer = _squares(i[RINGS - 1:])
         found = subprocess.run([program, scene_file], input=self.points.astype(np.float64).tobytes(), check=True,
                                capture_output=True).stdout
         numbers, count = np.frombuffer(found), len(self.points)

@@ -43,6 +43,11 @@ impl Face {
         Self { axes, mirrored, boxes: facets.iter().map(bound).collect(), facets }
     }
 
+    /// Which nodes of a facet are its corners.
+    pub fn corners(&self) -> &'static [usize] {
+        if self.axes == 1 { &[0, 2] } else { &[0, 2, 6, 8] }
+    }
+
     /// Where a place of the whole footprint lies on the part that is meshed.
     pub fn meshed(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         if self.axes == 1 {
