@@ -1,6 +1,5 @@
 // Smooth height fields, one per deformed interface; `field_at` gives their displacement and its gradient, relative to the
 // undeformed plane. Intersection by safe Newton: with |G''| <= K along the ray the step below never passes the first root.
-// K has two values, within a radius and beyond; no step passes from one to the other.
 
 @group(0) @binding(8) var<storage, read> field: array<vec4f>;
 
@@ -13,20 +12,9 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
     let outside = (near - zeta) * side > 0.0;
     var t = select(0.0, (near - zeta) / p.z, outside);
     if (outside && p.z * side <= 0.0) { return FAR; }
-    // Where along the ray the zone lies in which the field bends otherwise.
-    let across = dot(p.xy, p.xy);
-    let off = o.xy - scene.field_center;
-    let half = dot(off, p.xy);
-    let root_sq = half * half - across * (dot(off, off) - scene.field_zone_sq);
-    let crosses = root_sq > 0.0 && across > 0.0;
-    let zone_root = sqrt(max(root_sq, 0.0));
-    let enters = select(FAR, (-half - zone_root) / across, crosses);
-    let leaves = select(FAR, (-half + zone_root) / across, crosses);
+    let k = max(face_curvature(i) * dot(p.xy, p.xy), 1e-12);
     for (var n = 0u; n < 1024u; n += 1u) {
         if (t >= t_max) { return FAR; }
-        let within = t >= enters && t < leaves;
-        let k = max(select(face_curvature_beyond(i), face_curvature_within(i), within) * across, 1e-12);
-        let border = select(select(FAR, enters, t < enters), leaves, within);
         let h = field_at(i, o.xy + t * p.xy);
         let g = max(side * (h.x - (zeta + t * p.z)), 0.0);
         let slope = side * (h.y * p.x + h.z * p.y - p.z);
@@ -37,12 +25,12 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
         let root = sqrt(slope * slope + 2.0 * k * gap);
         let step = select((root + slope) / k, 2.0 * gap / (root - slope), slope < 0.0);
         // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k step.
-        let straight = k * step < 1e-5 && k * step * step < 1e-8 && t + step <= border;
+        let straight = k * step < 1e-5 && k * step * step < 1e-8;
         if (slope < 0.0 && (step < 1e-5 || straight)) {
             field_slope = h.yz;
             return t + step;
         }
-        t = min(t + max(step, 1e-7), border);
+        t += max(step, 1e-7);
         let z = zeta + t * p.z;
         if ((near - z) * side > 0.0 && p.z * side <= 0.0) { return FAR; }
     }

@@ -18,17 +18,6 @@ pub struct HeightField {
     pub control: Vec<f64>,
 }
 
-/// How strongly a cell of a height field bends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bend {
-    /// Distance of its nearest point to the middle of the footprint, or to the axis, mm.
-    pub nearest_mm: f64,
-    /// Distance of its farthest point, mm.
-    pub farthest_mm: f64,
-    /// Bound on the second derivative along any unit direction, per mm.
-    pub bound: f64,
-}
-
 impl HeightField {
     /// Interpolates `samples` (row-major, row 0 at negative y, mm) over a footprint of the given size.
     ///
@@ -98,7 +87,7 @@ impl Relief for HeightField {
 
     /// In a cell the second derivatives are convex combinations of second differences of its 4 x 4 control points; the
     /// bound is the largest norm of such a Hessian.
-    fn bends(&self) -> Vec<Bend> {
+    fn bend(&self) -> f64 {
         let width = self.columns + 2;
         let at = |x: usize, y: usize| self.control[y * width + x];
         let [sx, sy] = self.per_mm;
@@ -119,18 +108,8 @@ impl Relief for HeightField {
             // Largest eigenvalue of [[xx, xy], [xy, yy]].
             0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy)
         };
-        // Distance of a cell along one direction: from the middle of the footprint to its nearer and its farther side.
-        let reach = |k: usize, samples: usize, per_mm: f64| {
-            let middle = (k as f64 + 0.5 - 0.5 * (samples - 1) as f64).abs();
-            [(middle - 0.5).max(0.0) / per_mm, (middle + 0.5) / per_mm]
-        };
         let cells = (0..self.columns - 1).flat_map(|x| (0..self.rows - 1).map(move |y| (x, y)));
-        let bend = |(x, y)| {
-            let (across, along) = (reach(x, self.columns, sx), reach(y, self.rows, sy));
-            let [nearest_mm, farthest_mm] = [0, 1].map(|k| across[k].hypot(along[k]));
-            Bend { nearest_mm, farthest_mm, bound: bound(x, y) }
-        };
-        cells.map(bend).collect()
+        cells.map(|(x, y)| bound(x, y)).fold(0.0, f64::max)
     }
 
     fn at(&self, x: f64, y: f64) -> [f64; 3] {
@@ -222,7 +201,7 @@ mod tests {
     #[test]
     fn slope_and_second_derivative_never_exceed_their_bounds() {
         let field = HeightField::sample(65, [30.0, 30.0], bump).unwrap();
-        let bound = field.bends().iter().map(|bend| bend.bound).fold(0.0, f64::max);
+        let bound = field.bend();
         let (mut largest, mut steepest) = (0.0f64, 0.0f64);
         for k in 0..4000 {
             let (x, y) = (0.0173 * k as f64 % 24.0 - 12.0, 0.0531 * k as f64 % 24.0 - 12.0);

@@ -12,7 +12,6 @@ pub mod height_field;
 pub mod mesh;
 pub mod pressed;
 pub mod profile;
-pub mod zones;
 
 pub use build::{SurfaceError, surface};
 pub use cap::Cap;
@@ -21,8 +20,6 @@ pub use height_field::HeightField;
 pub use mesh::Mesh;
 pub use pressed::{pressed_contact, pressed_surface};
 pub use profile::Profile;
-
-use height_field::Bend;
 
 /// Shape of all interfaces of a stack.
 #[derive(Debug, Clone)]
@@ -78,8 +75,8 @@ pub trait Relief {
     /// Proven bound on the norm of the gradient.
     fn steepest(&self) -> f64;
 
-    /// Proven bounds on the second derivative along any unit direction, cell by cell.
-    fn bends(&self) -> Vec<Bend>;
+    /// Proven bound on the second derivative along any unit direction, per mm.
+    fn bend(&self) -> f64;
 
     /// Displacement and its gradient at a point of the footprint (centre at the origin). mm and mm/mm.
     fn at(&self, x: f64, y: f64) -> [f64; 3];

@@ -8,7 +8,6 @@ use super::render::{Settings, Stage, render};
 use crate::film::compare::compare;
 use crate::film::{Film, mean_interval};
 use crate::scene::Integrator;
-use crate::surface::zones::Zones;
 use crate::surface::{HeightField, Profile, Relief};
 use serde::Serialize;
 
@@ -147,7 +146,6 @@ fn flat_fields(model: &mut Model<f64>) {
             control: vec![vec![0.0; (FLAT_POINTS + 2) * (FLAT_POINTS + 2)]],
         },
         center: [0.0; 2],
-        zone_sq: 0.0,
     });
 }
 
@@ -162,9 +160,8 @@ fn over_the_plane(model: &mut Model<f64>) {
     let profiles = cells.iter().map(|cells| Profile { center_mm: *center, per_mm: *per_mm, cells: cells.clone() });
     let field = |profile: Profile| HeightField::sample(points, footprint, |x, y| profile.at(x, y)[0]);
     let Some(fields) = profiles.map(field).collect::<Option<Vec<_>>>() else { return };
-    let zones = Zones::of(&fields.iter().collect::<Vec<_>>());
     for face in model.faces.iter_mut().filter(|face| face.share != 0.0) {
-        face.follow(&fields[face.field], zones.bounds[face.field]);
+        face.follow(&fields[face.field]);
     }
     let Some(first) = fields.first() else { return };
     model.shape = Shape::Field(FieldShape {
@@ -174,7 +171,6 @@ fn over_the_plane(model: &mut Model<f64>) {
             control: fields.iter().map(|field| field.control.clone()).collect(),
         },
         center: [0.0; 2],
-        zone_sq: zones.radius_mm.powi(2),
     });
 }
 

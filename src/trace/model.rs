@@ -42,8 +42,8 @@ pub struct Face<T> {
     pub dn_sq: T,
     /// Bound on how steep it is.
     pub slope: T,
-    /// Bounds on the second derivative of its height field within the field's zone and beyond, per mm.
-    pub curvature: [T; 2],
+    /// Bound on the second derivative of its height field along any direction, per mm.
+    pub curvature: T,
     /// Lowest displacement, mm.
     pub low: T,
     /// Highest displacement, mm.
@@ -91,8 +91,6 @@ pub struct FieldShape<T> {
     pub heights: Heights<T>,
     /// The axis, or the middle of the grid, mm.
     pub center: [T; 2],
-    /// Square of the radius of the zone within which the first bound on the second derivative holds, mm^2.
-    pub zone_sq: T,
 }
 
 /// Heights of the fields.
@@ -239,7 +237,7 @@ impl Model<f64> {
                     share: of(f.share),
                     dn_sq: of(f.dn_sq),
                     slope: of(f.slope),
-                    curvature: pair(f.curvature),
+                    curvature: of(f.curvature),
                     low: of(f.low),
                     high: of(f.high),
                     field: f.field,
@@ -269,7 +267,6 @@ impl Model<f64> {
                         },
                     },
                     center: pair(f.center),
-                    zone_sq: of(f.zone_sq),
                 }),
                 Shape::Mesh(m) => Shape::Mesh(MeshShape {
                     corners: m.corners.iter().map(triple).collect(),

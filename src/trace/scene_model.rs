@@ -4,7 +4,6 @@ use super::model::{Camera, CapShape, Face, FieldShape, Heights, Layer, MeshShape
 use super::{leds, unfold};
 use crate::optics::{fresnel, tissue};
 use crate::scene::{self, LoadedScene, Roughness};
-use crate::surface::zones::Zones;
 use crate::surface::{ContactMap, Relief, Surface, SurfaceError};
 use std::f64::consts::PI;
 
@@ -15,13 +14,8 @@ impl Model<f64> {
         let n_0 = scene.stack.surround_n;
         let layers = layers(scene);
         let heights = scene.stack.interface_heights_mm();
-        let zones = match surface {
-            Surface::Fields(fields) => Zones::of(&fields.iter().flatten().collect::<Vec<_>>()),
-            Surface::Profiles(profiles) => Zones::of(&profiles.iter().flatten().collect::<Vec<_>>()),
-            _ => Zones::default(),
-        };
-        let (shape, shares) = shape(surface, heights.len(), &zones);
-        let faces = faces(scene, surface, &layers, &heights, &shares, &zones);
+        let (shape, shares) = shape(surface, heights.len());
+        let faces = faces(scene, surface, &layers, &heights, &shares);
         let mut lit = leds::leds(loaded)?;
         let n_top = layers[layers.len() - 2].n;
         let tissue = match (&scene.touch.contact, contact) {
@@ -71,10 +65,8 @@ fn layers(scene: &scene::Scene) -> Vec<Layer<f64>> {
         .collect()
 }
 
-fn shape(surface: &Surface, interfaces: usize, zones: &Zones) -> (Shape<f64>, Vec<f64>) {
+fn shape(surface: &Surface, interfaces: usize) -> (Shape<f64>, Vec<f64>) {
     let mut shares: Vec<f64> = (0..interfaces).map(|i| f64::from(u8::from(surface.relief(i).is_some()))).collect();
-    let field =
-        |heights, center| Shape::Field(FieldShape { heights, center, zone_sq: zones.radius_mm * zones.radius_mm });
     let shape = match surface {
         Surface::Flat => Shape::Plane,
         Surface::Cap { cap, share } => {
@@ -90,13 +82,13 @@ fn shape(surface: &Surface, interfaces: usize, zones: &Zones) -> (Shape<f64>, Ve
             let fields = || fields.iter().flatten();
             let (size, per_mm) = fields().next().map_or(([0; 2], [0.0; 2]), |f| ([f.columns, f.rows], f.per_mm));
             let control = fields().map(|f| f.control.clone()).collect();
-            field(Heights::Grid { size, per_mm, control }, [0.0; 2])
+            Shape::Field(FieldShape { heights: Heights::Grid { size, per_mm, control }, center: [0.0; 2] })
         }
         Surface::Profiles(profiles) => {
             let profiles = || profiles.iter().flatten();
             let (per_mm, center) = profiles().next().map_or((0.0, [0.0; 2]), |p| (p.per_mm, p.center_mm));
             let cells = profiles().map(|p| p.cells.clone()).collect();
-            field(Heights::Profile { per_mm, cells }, center)
+            Shape::Field(FieldShape { heights: Heights::Profile { per_mm, cells }, center })
         }
         Surface::Mesh(mesh) => {
             if let Some(last) = shares.last_mut() {
@@ -118,7 +110,6 @@ fn faces(
     layers: &[Layer<f64>],
     heights: &[f64],
     shares: &[f64],
-    zones: &Zones,
 ) -> Vec<Face<f64>> {
     let roughness =
         std::iter::once(&scene.stack.lower_roughness).chain(scene.stack.layer.iter().rev().map(|l| &l.upper_roughness));
@@ -143,7 +134,7 @@ fn faces(
                 share,
                 dn_sq: (n_above - n_below) * (n_above + n_below),
                 slope: 0.0,
-                curvature: [0.0; 2],
+                curvature: 0.0,
                 low: 0.0,
                 high: 0.0,
                 field: 0,
@@ -152,7 +143,7 @@ fn faces(
                 kind,
             };
             if let Some(relief) = surface.relief(i) {
-                face.follow(relief, zones.bounds.get(field).copied().unwrap_or_default());
+                face.follow(relief);
                 face.field = field;
                 field += 1;
             }
@@ -173,13 +164,13 @@ fn faces(
 const UNBOUNDED: f64 = 1e15;
 
 impl Face<f64> {
-    /// Takes on a relief's bounds; those on its second derivative are given.
-    pub(super) fn follow(&mut self, relief: &dyn Relief, curvature: [f64; 2]) {
+    /// Takes on a relief's bounds.
+    pub(super) fn follow(&mut self, relief: &dyn Relief) {
         let [low, high] = relief.range_mm();
         // A thousandth beyond, so that the slab holds the surface in f32 too.
         (self.low, self.high) = (low - 1e-3, high + 1e-3);
         self.slope = relief.steepest() * (1.0 + 1e-5);
-        self.curvature = curvature;
+        self.curvature = relief.bend();
     }
 }
 

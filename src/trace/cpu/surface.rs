@@ -136,29 +136,11 @@ impl<T: Real> Path<'_, T> {
             return far();
         }
         let mut t = if outside { (near - zeta) / p.z } else { zero };
-        // Where along the ray the zone lies in which the field bends otherwise.
-        let across = p.x * p.x + p.y * p.y;
-        let (off_x, off_y) = (o.x - field.center[0], o.y - field.center[1]);
-        let half = off_x * p.x + off_y * p.y;
-        let root_sq = half * half - across * (off_x * off_x + off_y * off_y - field.zone_sq);
-        let crosses = root_sq > zero && across > zero;
-        let root = root_sq.max(zero).sqrt();
-        let (enters, leaves) =
-            if crosses { ((-half - root) / across, (-half + root) / across) } else { (far(), far()) };
+        let k = (face.curvature * (p.x * p.x + p.y * p.y)).max(c(1e-12));
         for n in 0..1024 {
             if t >= t_max {
                 return far();
             }
-            let within = t >= enters && t < leaves;
-            let bend = face.curvature[usize::from(!within)];
-            let k = (bend * across).max(c(1e-12));
-            let border = if within {
-                leaves
-            } else if t < enters {
-                enters
-            } else {
-                far()
-            };
             let h = self.field_at(field, i, o.x + t * p.x, o.y + t * p.y);
             let g = (side * (h[0] - (zeta + t * p.z))).max(zero);
             let slope = side * (h[1] * p.x + h[2] * p.y - p.z);
@@ -169,12 +151,12 @@ impl<T: Real> Path<'_, T> {
             let root = (slope * slope + two * k * gap).sqrt();
             let step = if slope < zero { two * gap / (root - slope) } else { (root + slope) / k };
             // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k step.
-            let straight = k * step < c(1e-5) && k * step * step < c(1e-8) && t + step <= border;
+            let straight = k * step < c(1e-5) && k * step * step < c(1e-8);
             if slope < zero && (step < c(1e-5) || straight) {
                 self.field_slope = [h[1], h[2]];
                 return t + step;
             }
-            t = (t + step.max(c(1e-7))).min(border);
+            t = t + step.max(c(1e-7));
             let z = zeta + t * p.z;
             if (near - z) * side > zero && p.z * side <= zero {
                 return far();

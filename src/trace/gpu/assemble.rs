@@ -97,8 +97,7 @@ fn accessors(model: &Model<f32>) -> String {
     float("face_z", face(|f| f.z));
     float("face_share", face(|f| f.share));
     float("face_dn_sq", face(|f| f.dn_sq));
-    float("face_curvature_within", face(|f| f.curvature[0]));
-    float("face_curvature_beyond", face(|f| f.curvature[1]));
+    float("face_curvature", face(|f| f.curvature));
     float("face_slope", face(|f| f.slope));
     float("face_low", face(|f| f.low));
     float("face_high", face(|f| f.high));

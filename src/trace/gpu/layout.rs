@@ -64,7 +64,7 @@ shader_struct! {
         field_size: [u32; 2], field_scale: [f32; 2],
         image_size: [u32; 2], pixel_tan: f32, camera_distance: f32,
         lens_radius: f32, focus_distance: f32, tissue_dn_sq: f32, gap_dn_sq: f32,
-        field_center: [f32; 2], field_zone_sq: f32, pad: u32,
+        field_center: [f32; 2], pad_0: u32, pad_1: u32,
     }
 }
 
@@ -133,7 +133,7 @@ pub fn scene(m: &Model<f32>) -> Scene {
             (out.cap_center, out.cap_rim_sq) = (c.center, c.rim_sq);
         }
         Shape::Field(f) => {
-            (out.field_center, out.field_zone_sq) = (f.center, f.zone_sq);
+            out.field_center = f.center;
             (out.field_size, out.field_scale) = match &f.heights {
                 Heights::Grid { size: points, per_mm, .. } => (size(*points), *per_mm),
                 Heights::Profile { per_mm, cells } => (size([cells.first().map_or(0, Vec::len), 1]), [*per_mm; 2]),
