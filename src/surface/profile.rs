@@ -69,16 +69,11 @@ impl Relief for Profile {
         self.cells.iter().map(steepest).fold(0.0, f64::max) * self.per_mm
     }
 
-    /// Along the radius an interface bends as its profile, across it as the slope over the distance.
+    /// Along the radius an interface bends as its profile; across it as the slope over the distance, which is a mean of that,
+    /// as the profile is level on the axis.
     fn bend(&self) -> f64 {
-        let cell = |(k, cell): (usize, &[f64; 4])| {
-            let [_, _, c, d] = cell;
-            let along = (2.0 * c).abs().max((2.0 * c + 6.0 * d).abs());
-            // On the first cell the slope over the distance is a mean of second derivatives.
-            let across = if k == 0 { along } else { steepest(cell) / k as f64 };
-            along.max(across)
-        };
-        self.cells.iter().enumerate().map(cell).fold(0.0, f64::max) * self.per_mm * self.per_mm
+        let ends = self.cells.iter().flat_map(|[_, _, c, d]| [2.0 * c, 2.0 * c + 6.0 * d]);
+        ends.map(f64::abs).fold(0.0, f64::max) * self.per_mm * self.per_mm
     }
 
     fn at(&self, x: f64, y: f64) -> [f64; 3] {
