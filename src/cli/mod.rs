@@ -31,6 +31,7 @@ mod shot;
 mod side;
 mod stability;
 mod usage;
+mod vectors;
 
 pub use error::{Failure, Outcome};
 pub use flags::{Backend, Common, Precision, Talk};
@@ -88,6 +89,7 @@ impl Command {
 
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
+    vectors::widen();
     let json = usage::asks_for_json(std::env::args_os());
     let outcome = usage::parse(std::env::args_os()).and_then(|parsed| match parsed {
         usage::Parsed::Text(text) => print(&text).map(|()| Outcome::Done),
