@@ -166,9 +166,9 @@ impl Seen<'_> {
             }
             _ => 0,
         };
-        // Device: two words a sum and the count of segments beside it. Program: what comes back, the replicate, running
-        // mean and deviation, film, picture values.
-        [16 * pixels + deposits + 4 * control, 64 * pixels + deposits + 8 * control]
+        // Device: two words a sum and the count of segments beside it, and the surface, once for camera paths and once for
+        // photons. Program: what comes back, the replicate, running mean and deviation, film, picture values.
+        [2 * (16 * pixels + 4 * control) + deposits, 64 * pixels + deposits + 8 * control]
     }
 
     fn json(&self) -> Result<Value, Failure> {

@@ -90,7 +90,7 @@ impl Tracer {
         Ok(match *self {
             Self::Gpu { edit } => {
                 let edit = Box::new(move |_: Entry, text: String| edit(text));
-                Backend::Gpu(Box::new(GpuTracer::with_source(Gpu::open()?, model, edit)?))
+                GpuTracer::with_source(Gpu::open()?, model, edit)?.into()
             }
             Self::Twin { .. } => Backend::Cpu32(Box::new(CpuTracer::new(model.cast()))),
         })

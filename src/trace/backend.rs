@@ -2,7 +2,9 @@
 
 use super::cpu::{self, book, camera::View, photons::Deposits};
 use super::gpu::GpuTracer;
+use super::gpu::assemble::Entry;
 use super::model::{Model, Real};
+use super::plan::Method;
 use std::sync::atomic::{AtomicU64, Ordering};
 use thiserror::Error;
 
@@ -104,11 +106,24 @@ pub enum PhotonMode {
 /// A backend with a scene loaded.
 pub enum Backend {
     /// wgpu.
-    Gpu(Box<GpuTracer>),
+    Gpu {
+        /// The device of camera paths.
+        camera: Box<GpuTracer>,
+        /// That of photons, where they have one of their own: llvmpipe compiles in a device's queue, so two of them compile two
+        /// kernels at once.
+        photons: Option<Box<GpuTracer>>,
+    },
     /// The twin in f32.
     Cpu32(Box<CpuTracer<f32>>),
     /// The twin in f64.
     Cpu64(Box<CpuTracer<f64>>),
+}
+
+impl From<GpuTracer> for Backend {
+    /// Camera paths and photons on one device.
+    fn from(tracer: GpuTracer) -> Self {
+        Self::Gpu { camera: Box::new(tracer), photons: None }
+    }
 }
 
 impl Backend {
@@ -122,12 +137,16 @@ impl Backend {
             Precision::F32 => Self::Cpu32(Box::new(CpuTracer::new(model.cast()))),
             Precision::F64 => Self::Cpu64(Box::new(CpuTracer::new(model.cast()))),
         };
+        let gpu = || {
+            let (camera, photons) = rayon::join(|| GpuTracer::new(model), || GpuTracer::new(model));
+            Ok(Self::Gpu { camera: Box::new(camera?), photons: Some(Box::new(photons?)) })
+        };
         match choice {
             BackendChoice::Cpu => Ok((cpu(), None)),
             BackendChoice::Auto if precision == Precision::F64 => Ok((cpu(), None)),
-            BackendChoice::Gpu => Ok((Self::Gpu(Box::new(GpuTracer::new(model)?)), None)),
-            BackendChoice::Auto => match GpuTracer::new(model) {
-                Ok(gpu) => Ok((Self::Gpu(Box::new(gpu)), None)),
+            BackendChoice::Gpu => Ok((gpu()?, None)),
+            BackendChoice::Auto => match gpu() {
+                Ok(gpu) => Ok((gpu, None)),
                 Err(TraceError::NoAdapter) => {
                     Ok((cpu(), Some("no GPU adapter found: the built-in CPU tracer runs instead".into())))
                 }
@@ -139,7 +158,7 @@ impl Backend {
     /// Short name of the backend.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Gpu(_) => "gpu",
+            Self::Gpu { .. } => "gpu",
             Self::Cpu32(_) => "cpu f32",
             Self::Cpu64(_) => "cpu f64",
         }
@@ -148,15 +167,31 @@ impl Backend {
     /// Name of the adapter.
     pub fn adapter(&self) -> String {
         match self {
-            Self::Gpu(gpu) => gpu.adapter(),
+            Self::Gpu { camera, .. } => camera.adapter(),
             _ => format!("built-in CPU tracer, {} threads", rayon::current_num_threads()),
+        }
+    }
+
+    /// Builds the kernels of a method, so that they do not count as run time.
+    pub fn prepare(&mut self, method: Method) -> Result<(), TraceError> {
+        let Self::Gpu { camera, photons } = self else {
+            return Ok(());
+        };
+        let (seen, sent) = method.modes();
+        let (seen, sent) = (Entry::Camera(seen), Entry::Photons(sent));
+        match photons {
+            Some(photons) => {
+                let (one, other) = rayon::join(|| camera.prepare(seen), || photons.prepare(sent));
+                one.and(other)
+            }
+            None => camera.prepare(seen).and_then(|()| camera.prepare(sent)),
         }
     }
 
     /// Empties the film of camera paths.
     pub fn clear_film(&mut self) -> Result<(), TraceError> {
         match self {
-            Self::Gpu(gpu) => gpu.clear_film(),
+            Self::Gpu { camera, .. } => camera.clear_film(),
             Self::Cpu32(cpu) => cpu.clear_film(),
             Self::Cpu64(cpu) => cpu.clear_film(),
         }
@@ -172,7 +207,7 @@ impl Backend {
         samples: [u32; 2],
     ) -> Result<(), TraceError> {
         match self {
-            Self::Gpu(gpu) => gpu.camera(mode, seed, pixels, samples)?,
+            Self::Gpu { camera, .. } => camera.camera(mode, seed, pixels, samples)?,
             Self::Cpu32(cpu) => cpu.camera(mode, seed, pixels, samples),
             Self::Cpu64(cpu) => cpu.camera(mode, seed, pixels, samples),
         }
@@ -182,7 +217,7 @@ impl Backend {
     /// Sums of the film in units of 2^-48, and the segments traced since it was emptied.
     pub fn read_film(&mut self) -> Result<(Vec<u64>, u64), TraceError> {
         Ok(match self {
-            Self::Gpu(gpu) => gpu.read_film()?,
+            Self::Gpu { camera, .. } => camera.read_film()?,
             Self::Cpu32(cpu) => (cpu.film.clone(), cpu.segments),
             Self::Cpu64(cpu) => (cpu.film.clone(), cpu.segments),
         })
@@ -191,7 +226,7 @@ impl Backend {
     /// Loads the exitance map that mapped camera paths read: deposit and area for true contact and for the gap.
     pub fn set_exitance(&mut self, texels: &[[f64; 4]]) -> Result<(), TraceError> {
         match self {
-            Self::Gpu(gpu) => gpu.set_exitance(texels)?,
+            Self::Gpu { camera, .. } => camera.set_exitance(texels)?,
             Self::Cpu32(cpu) => cpu.set_exitance(texels),
             Self::Cpu64(cpu) => cpu.set_exitance(texels),
         }
@@ -201,7 +236,7 @@ impl Backend {
     /// Empties deposits and ledger.
     pub fn clear_photons(&mut self, mode: PhotonMode) -> Result<(), TraceError> {
         match self {
-            Self::Gpu(gpu) => gpu.clear_photons(mode)?,
+            Self::Gpu { camera, photons } => photons.as_mut().unwrap_or(camera).clear_photons(mode)?,
             Self::Cpu32(cpu) => cpu.clear_photons(mode),
             Self::Cpu64(cpu) => cpu.clear_photons(mode),
         }
@@ -211,7 +246,9 @@ impl Backend {
     /// Sends `samples` photons, from `first_sample` on, from each of `threads` threads.
     pub fn photons(&mut self, mode: PhotonMode, seed: u32, threads: u32, samples: [u32; 2]) -> Result<(), TraceError> {
         match self {
-            Self::Gpu(gpu) => gpu.photons(mode, seed, threads, samples)?,
+            Self::Gpu { camera, photons } => {
+                photons.as_mut().unwrap_or(camera).photons(mode, seed, threads, samples)?;
+            }
             Self::Cpu32(cpu) => cpu.photons(mode, seed, threads, samples),
             Self::Cpu64(cpu) => cpu.photons(mode, seed, threads, samples),
         }
@@ -221,7 +258,7 @@ impl Backend {
     /// Ledger in its units, and deposits in units of 2^-32.
     pub fn read_photons(&mut self, mode: PhotonMode) -> Result<([i64; book::SLOTS], Vec<u64>), TraceError> {
         Ok(match self {
-            Self::Gpu(gpu) => gpu.read_photons(mode)?,
+            Self::Gpu { camera, photons } => photons.as_mut().unwrap_or(camera).read_photons(mode)?,
             Self::Cpu32(cpu) => cpu.read_photons(),
             Self::Cpu64(cpu) => cpu.read_photons(),
         })

@@ -1,6 +1,6 @@
 //! Which method finds the light of a scene, and why.
 
-use super::backend::TraceError;
+use super::backend::{CameraMode, PhotonMode, TraceError};
 use super::kernel::Kernel;
 use crate::scene::Integrator;
 
@@ -22,6 +22,15 @@ impl Method {
             Self::Path => "path",
             Self::Splat => "splat",
             Self::Map => "map",
+        }
+    }
+
+    /// What its camera paths and its photons do.
+    pub fn modes(self) -> (CameraMode, PhotonMode) {
+        match self {
+            Self::Path => (CameraMode::Path, PhotonMode::Ledger),
+            Self::Splat => (CameraMode::Complement, PhotonMode::Splat),
+            Self::Map => (CameraMode::Mapped, PhotonMode::Map),
         }
     }
 }

@@ -190,15 +190,15 @@ fn once(
     let mut replicates = settings.spp.div_ceil(spp).max(REPLICATES);
     let all_photons = || photons(&kernel, plan.method, pixels * u64::from(settings.spp)).max(LEAST_PHOTONS);
     let mut work = Work { spp, photons: settings.photons.unwrap_or_else(all_photons).div_ceil(u64::from(replicates)) };
-    // A throw-away pilot of one path per pixel compiles the kernels and measures the machine.
-    let pilot = Work { spp: 1, photons: work.photons.min(photons(&kernel, plan.method, pixels).max(FEW_PHOTONS)) };
-    batch.replicate(u32::MAX, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| {
-        observe(Stage { done: 0.0, what: "compiling kernels" })
-    })?;
+    if !observe(Stage { done: 0.0, what: "compiling kernels" }) {
+        return Err(TraceError::Stopped);
+    }
+    batch.backend.prepare(plan.method)?;
     let setup_seconds = start.elapsed().as_secs_f64();
-    batch.totals = Totals::default();
     let start = Instant::now();
     if let Some(budget) = settings.seconds {
+        // A throw-away pilot of one path per pixel measures the machine.
+        let pilot = Work { spp: 1, photons: work.photons.min(photons(&kernel, plan.method, pixels).max(FEW_PHOTONS)) };
         let timer = Instant::now();
         batch.replicate(u32::MAX, pilot, &mut |_, _| observe(Stage { done: 0.0, what: "measuring the machine" }))?;
         let Times { photons, map, camera, .. } = batch.totals.times;

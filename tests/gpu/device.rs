@@ -4,10 +4,11 @@ use crate::adapter::require_gpu;
 use crate::films::gpu;
 use crate::scenes::Case;
 use std::time::{Duration, Instant};
-use tirtouch::trace::TraceError;
+use tirtouch::trace::backend::{BackendChoice, Precision};
 use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
 use tirtouch::trace::gpu::GpuTracer;
 use tirtouch::trace::plan::Method;
+use tirtouch::trace::{Backend, TraceError};
 
 /// Resident memory of this process, bytes; none where the system does not say.
 fn resident() -> Option<u64> {
@@ -40,6 +41,35 @@ fn a_device_lost_in_the_middle_of_a_render_is_an_error() {
         // And it stays lost.
         let again = batch.replicate(1, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| true);
         assert!(matches!(again, Err(TraceError::DeviceLost(_))), "{again:?}");
+    }
+}
+
+#[test]
+fn what_is_prepared_is_all_that_a_replicate_needs_on_one_device_and_on_two() {
+    fn kernels(backend: &Backend) -> [usize; 2] {
+        match backend {
+            Backend::Gpu { camera, photons } => [camera.kernels(), photons.as_ref().map_or(0, |p| p.kernels())],
+            _ => [0, 0],
+        }
+    }
+    for method in [Method::Path, Method::Map, Method::Splat] {
+        let Some(adapter) = require_gpu() else { return };
+        let model = Case::preset("contact-disc").model([32, 24]);
+        let both = Backend::open(BackendChoice::Gpu, Precision::F32, &model).unwrap().0;
+        let films = [(gpu(adapter, &model), [2, 0]), (both, [1, 1])].map(|(mut backend, expected)| {
+            backend.prepare(method).unwrap();
+            assert_eq!(kernels(&backend), expected, "{}", method.name());
+            let (pacer, totals) = (Pacer::default(), Totals::default());
+            let mut batch = Batch { model: &model, backend: &mut backend, method, seed: 1, pacer, totals };
+            let film = batch.replicate(0, Work { spp: 2, photons: 1 << 16 }, &mut |_, _| true).unwrap();
+            if method == Method::Path {
+                batch.ledger(1 << 16, &mut |_, _| true).unwrap();
+            }
+            assert_eq!(kernels(&backend), expected, "{}: built in the middle of a render", method.name());
+            film
+        });
+        assert!(films[0].iter().any(|&v| v > 0.0));
+        assert_eq!(films[0], films[1], "{}: one device and two", method.name());
     }
 }
 

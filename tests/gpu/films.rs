@@ -15,7 +15,7 @@ use tirtouch::trace::{Backend, Kernel, Model, Plan};
 const LEVEL: f64 = 1e-3;
 
 pub fn gpu(gpu: tirtouch::trace::gpu::Gpu, model: &Model<f64>) -> Backend {
-    Backend::Gpu(Box::new(GpuTracer::on(gpu, model).unwrap()))
+    GpuTracer::on(gpu, model).unwrap().into()
 }
 
 pub fn f64_twin(model: &Model<f64>) -> Backend {

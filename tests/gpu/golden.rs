@@ -183,9 +183,8 @@ fn with_kernel(golden: &Golden, adapter: Gpu, from: &'static str, text: &'static
         note.fetch_or(edited != source, Ordering::Relaxed);
         edited
     };
-    let fresh = golden.fresh(&golden.scene(), |model| {
-        Backend::Gpu(Box::new(GpuTracer::with_source(adapter, model, Box::new(edit)).unwrap()))
-    });
+    let fresh =
+        golden.fresh(&golden.scene(), |model| GpuTracer::with_source(adapter, model, Box::new(edit)).unwrap().into());
     assert!(changed.load(Ordering::Relaxed), "no kernel reads `{from}`");
     judge(golden, &fresh)
 }

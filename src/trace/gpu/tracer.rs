@@ -105,6 +105,11 @@ impl GpuTracer {
         self.events.as_ref().map_or(Ok(Vec::new()), |e| self.gpu.read(e))
     }
 
+    /// Kernels built so far.
+    pub fn kernels(&self) -> usize {
+        self.pipelines.len()
+    }
+
     /// Builds the pipeline of an entry point, so that it does not count as run time.
     pub fn prepare(&mut self, entry: Entry) -> Result<(), TraceError> {
         if self.pipelines.contains_key(&entry) {
