@@ -124,8 +124,9 @@ fn main() -> Result<()> {
     }
     if "lanes".contains(&arguments.only) {
         println!(
-            "\n| scene | segments a camera path | share of {LANES} lanes at work | segments a photon | share |\n|---|---|---|---|---|"
+            "\n| scene | segments a camera path | share of 8 lanes at work | of 16 | segments a photon | of 8 | of 16 |"
         );
+        println!("|---|---|---|---|---|---|---|");
         for scene in ["flat-bonded", "dent-cap", "tsis-dent", "contact-disc"] {
             lanes(scene)?;
         }
@@ -133,8 +134,8 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Lanes of a vector of 256 bits.
-const LANES: u32 = 8;
+/// Lanes of vectors of 256 and 512 bits.
+const LANES: [usize; 2] = [8, 16];
 
 /// Segments of paths, and how many of the lanes that walk side by side still have a segment to walk: their mean over their longest.
 /// Where a path waits within a segment, in the search for a deformed face, comes on top.
@@ -149,25 +150,18 @@ fn lanes(scene: &str) -> Result<()> {
         path.tally[book::SEGMENTS] as f64
     };
     let filled = |length: &dyn Fn(u32) -> f64| {
-        let (mut all, mut longest) = (0.0, 0.0);
-        let groups = model.camera.size[0] * model.camera.size[1] / LANES;
-        for group in 0..groups {
-            let lengths = (0..LANES).map(|lane| length(group * LANES + lane));
-            let (sum, most) = lengths.fold((0.0, 0.0f64), |(sum, most), v| (sum + v, most.max(v)));
-            all += sum;
-            longest += most;
-        }
-        [all / f64::from(groups * LANES), all / (longest * f64::from(LANES))]
+        let lengths: Vec<f64> = (0..model.camera.size[0] * model.camera.size[1]).map(length).collect();
+        let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
+        let shares = LANES.map(|lanes| {
+            let groups = lengths.chunks_exact(lanes);
+            let longest = groups.clone().map(|group| group.iter().copied().fold(0.0, f64::max)).sum::<f64>();
+            groups.flatten().sum::<f64>() / (longest * lanes as f64)
+        });
+        format!("{mean:.1} | {:.2} | {:.2} |", shares[0], shares[1])
     };
-    let [camera, at_work] = filled(&|pixel| count(&mut |path| _ = path.camera_path(view, 1, pixel, 0)));
-    print!("| `{scene}` | {camera:.1} | {at_work:.2} |");
-    match model.tissue {
-        Some(_) => {
-            let [photon, at_work] = filled(&|thread| count(&mut |path| path.photon(1, thread, 0)));
-            println!(" {photon:.1} | {at_work:.2} |");
-        }
-        None => println!(" - | - |"),
-    }
+    let camera = filled(&|pixel| count(&mut |path| _ = path.camera_path(view, 1, pixel, 0)));
+    let photon = model.tissue.as_ref().map(|_| filled(&|thread| count(&mut |path| path.photon(1, thread, 0))));
+    println!("| `{scene}` | {camera} {}", photon.as_deref().unwrap_or("- | - | - |"));
     Ok(())
 }
 
