@@ -32,8 +32,6 @@ struct Scene {
     tissue_dn_sq: f32,       // n_tissue^2 - n_top^2
     gap_dn_sq: f32,          // n_surround^2 - n_top^2
     field_center: vec2f,     // middle or axis of height fields
-    pad_0: u32,
-    pad_1: u32,
 }
 
 struct Run {

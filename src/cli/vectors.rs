@@ -2,7 +2,7 @@
 //!
 //! llvmpipe works on 8 paths at once where a CPU with AVX-512 could on 16, unless an environment variable tells it to. It reads
 //! that when it is loaded, so the program starts itself again with the variable set, in the same process. Images are the same
-//! to the last bit, in 0.7 to 0.95 of the time (docs/ERROR.md). Other drivers do not read it.
+//! to the last bit, in 0.6 to 0.9 of the time (docs/ERROR.md). Other drivers do not read it.
 
 /// Starts the program again with wide vectors, where that helps and nobody chose otherwise; comes back where not.
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]

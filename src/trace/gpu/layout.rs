@@ -64,7 +64,7 @@ shader_struct! {
         field_size: [u32; 2], field_scale: [f32; 2],
         image_size: [u32; 2], pixel_tan: f32, camera_distance: f32,
         lens_radius: f32, focus_distance: f32, tissue_dn_sq: f32, gap_dn_sq: f32,
-        field_center: [f32; 2], pad_0: u32, pad_1: u32,
+        field_center: [f32; 2],
     }
 }
 
