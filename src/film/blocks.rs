@@ -5,6 +5,7 @@
 //! keeps only the pixels; of each block it keeps one number, its [`Inflation`].
 
 use super::Film;
+use super::groups::Groups;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -162,6 +163,7 @@ pub struct BlockAccumulator {
     count: u32,
     pixels: Running,
     levels: Vec<Level>,
+    groups: Groups,
 }
 
 impl BlockAccumulator {
@@ -175,7 +177,7 @@ impl BlockAccumulator {
             let running = Running::new(pixels.len());
             Level { grid, pixels, running }
         });
-        Self { width, height, count: 0, pixels: Running::new(cells), levels: levels.into() }
+        Self { width, height, count: 0, pixels: Running::new(cells), levels: levels.into(), groups: Groups::new() }
     }
 
     /// Adds one replicate: radiances in W/(m^2 sr), row-major.
@@ -189,6 +191,7 @@ impl BlockAccumulator {
         }
         self.count += 1;
         self.pixels.add(self.count, replicate.iter().copied());
+        self.groups.add(replicate);
         for level in &mut self.levels {
             let sums = level.grid.sums(replicate);
             let means = sums.iter().zip(&level.pixels).map(|(sum, pixels)| sum / pixels);
@@ -220,6 +223,7 @@ impl BlockAccumulator {
             variance: self.pixels.variance(self.count),
             replicates: self.count,
             blocks: blocks.collect(),
+            groups: self.groups.finish(),
         }
     }
 }

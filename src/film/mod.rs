@@ -2,11 +2,13 @@
 
 pub mod blocks;
 pub mod compare;
+mod groups;
 pub mod ledger;
 mod tails;
 
 pub use blocks::{BlockAccumulator, BlockLevel, Inflation};
 pub use compare::{Comparison, compare};
+pub use groups::{Group, MOST_GROUPS};
 pub use ledger::Ledger;
 pub use tails::mean_interval;
 
@@ -26,4 +28,7 @@ pub struct Film {
     /// Means over blocks of pixels and their variances, for the edges of [`blocks::EDGES`] in that order.
     /// Empty: unknown, and pixels count as independent.
     pub blocks: Vec<BlockLevel>,
+    /// Mean images of a few groups of replicates, from which a figure of the image takes its own error. Empty: unknown (a file keeps
+    /// none).
+    pub groups: Vec<Group>,
 }
