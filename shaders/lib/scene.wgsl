@@ -9,7 +9,7 @@ struct Scene {
     wall_reflectance: f32,
     surround_n: f32,
     tissue_n: f32,
-    tissue_albedo: f32,
+    tissue_albedo: f32,      // of Lambertian tissue
     tissue_center: vec2f,
     tissue_radius_sq: f32,   // tissue exists inside this radius
     spread_d: f32,           // scale of the Christensen-Burley profile
@@ -32,6 +32,11 @@ struct Scene {
     tissue_dn_sq: f32,       // n_tissue^2 - n_top^2
     gap_dn_sq: f32,          // n_surround^2 - n_top^2
     field_center: vec2f,     // middle or axis of height fields
+    quarter_albedo: f32,     // of one scattering, in tissue as a half space
+    h_floor: f32,            // sqrt(1 - w), the part of 1/H that is not in `h_terms`
+    map_cosines: vec2f,      // directions that the map holds
+    map_toward: vec2f,       // w/4 H at them
+    map_between: vec2f,      // factors for what lies between them
 }
 
 struct Run {

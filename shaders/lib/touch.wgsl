@@ -1,6 +1,6 @@
 // Optical contact with tissue. A share of the touched face is in true contact: Fresnel between guide and tissue. The
 // rest is an air gap, thin against the beam and thick against the coherence length: an incoherent slab between guide
-// and tissue. Tissue returns a share `tissue_albedo` of what enters as a Lambertian source just above the interface,
+// and tissue. Tissue (`tissue_lambertian` or `tissue_half_space`) returns a share of what enters just above the interface,
 // displaced sideways where SPREADING; what the boundary reflects back into the tissue is scattered again.
 // The walk is the same in both directions, for photons and for camera paths.
 
@@ -56,14 +56,19 @@ fn displace(xy: vec2f) -> vec2f {
 
 fn inside(xy: vec2f) -> bool { return all(abs(xy) < scene.half_size) && tissue_here(xy); }
 
-// From entering the tissue to leaving it into the guide (GOES_ON), or to the path's end.
-fn tissue_walk() -> u32 {
+// Cosine in the tissue of light that has a = n_top cos in the guide.
+fn tissue_cosine(a: f32) -> f32 { return sqrt(max(scene.tissue_dn_sq + a * a, 0.0)) / scene.tissue_n; }
+
+// From entering the tissue at the cosine `cos_in` to leaving it into the guide (GOES_ON), or to the path's end.
+fn tissue_walk(cos_in: f32) -> u32 {
+    var mu = cos_in;
     let top = scene.layer_count;
     let n_t = scene.tissue_n;
     for (var k = 0u; k < 4096u; k += 1u) {
         let lives = draw();
-        record(512u + select(0u, 1u, lives < scene.tissue_albedo), abs(lives - scene.tissue_albedo));
-        if (lives >= scene.tissue_albedo) { return END_ABSORBED; }
+        let share = returned(mu);
+        record(512u + select(0u, 1u, lives < share), abs(lives - share));
+        if (lives >= share) { return END_ABSORBED; }
         if (SPREADING) {
             let xy = displace(path.o.xy);
             if (!inside(xy)) { return END_TOP; }
@@ -73,14 +78,17 @@ fn tissue_walk() -> u32 {
         }
         let sin_sq = draw();
         let phi = TAU * draw();
-        let b = n_t * sqrt(1.0 - sin_sq);                 // n_t cos in the tissue
+        let mu_out = sqrt(1.0 - sin_sq);
+        weigh(mu, mu_out);
+        let b = n_t * mu_out;                             // n_t cos in the tissue
         let a_sq = b * b - scene.tissue_dn_sq;            // (n_top cos)^2 in the guide
         let a = sqrt(max(a_sq, 0.0));
         let r = select(boundary(path.o.xy, a).x, 1.0, a_sq <= 0.0);
         let u = draw();
         record(514u + select(0u, 1u, u < r), abs(u - r));
         if (u < r) {
-            tissue_reentry();
+            mu = mu_out;
+            tissue_reentry(mu);
             continue;
         }
         let s = n_t * sqrt(sin_sq);

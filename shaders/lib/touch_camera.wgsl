@@ -1,14 +1,14 @@
 // A camera path at the touched face.
 
-@group(0) @binding(7) var<storage, read> exitance: array<vec4f>;   // deposit, area; the same for the gap
+@group(0) @binding(7) var<storage, read> exitance: array<vec4f>;   // deposit, area; the same again
 
-fn tissue_reentry() {}
+fn tissue_reentry(mu: f32) {}
 
 // Least share of the paths that go on as reflected where a map is read: what they see may be an LED, and nothing is lost by them.
 const REFLECTED: f32 = 0.2;
 
-// Exitance of the tissue at a point, as radiance times pi in the tissue's medium.
-fn exitance_at(xy: vec2f) -> f32 {
+// Exitance of the tissue at a point towards the cosine `mu_o`, as radiance times pi in the tissue's medium.
+fn exitance_at(xy: vec2f, mu_o: f32) -> f32 {
     let size = vec2i(scene.map_size);
     let g = (xy / (2.0 * scene.half_size) + 0.5) * vec2f(size) - 0.5;
     let c = floor(g);
@@ -20,12 +20,9 @@ fn exitance_at(xy: vec2f) -> f32 {
             sum += exitance[u32(at.y * size.x + at.x)] * select(1.0 - u.x, u.x, i == 1) * select(1.0 - u.y, u.y, j == 1);
         }
     }
-    let contact = select(sum.x / sum.y, 0.0, sum.y <= 0.0);
-    if (SPREADING) { return contact; }
-    let gap = select(sum.z / sum.w, 0.0, sum.w <= 0.0);
-    let share = contact_share(xy);
-    let reentry = mix(scene.reentry_gap, scene.reentry_contact, share);
-    return scene.tissue_albedo * mix(gap, contact, share) / (1.0 - scene.tissue_albedo * reentry);
+    let one = select(sum.x / sum.y, 0.0, sum.y <= 0.0);
+    let other = select(sum.z / sum.w, 0.0, sum.w <= 0.0);
+    return exitance_toward(xy, vec2f(one, other), mu_o);
 }
 
 // At the touched face: adds light, and says how the path goes on.
@@ -33,7 +30,7 @@ fn camera_touch(light: ptr<function, f32>) -> u32 {
     let a = abs(dot(path.p, path.normal));
     let r = boundary(path.o.xy, a).x;
     if (MAPPED) {
-        *light += path.weight * (1.0 - r) * exitance_at(path.o.xy) / (3.141592653589793 * scene.tissue_n * scene.tissue_n);
+        *light += path.weight * (1.0 - r) * exitance_at(path.o.xy, tissue_cosine(a)) / (3.141592653589793 * scene.tissue_n * scene.tissue_n);
     }
     let chance = select(r, max(r, REFLECTED), MAPPED);
     let u = draw();
@@ -44,5 +41,5 @@ fn camera_touch(light: ptr<function, f32>) -> u32 {
         return GOES_ON;
     }
     if (MAPPED || (COMPLEMENT && path.turns == 0u)) { return END_ABSORBED; }
-    return tissue_walk();
+    return tissue_walk(tissue_cosine(a));
 }

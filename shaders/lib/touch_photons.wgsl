@@ -18,9 +18,9 @@ fn texel(xy: vec2f) -> u32 {
     return c.y * scene.map_size.x + c.x;
 }
 
-// Light of flux `w` that leaves the tissue at (x, y) as a Lambertian source, connected to the pinhole through the flat
+// Light of flux `w` that entered the tissue at the cosine `mu_i` and leaves it at (x, y), connected to the pinhole through the flat
 // stack: with s = n sin constant, sum d_i s / sqrt(n_i^2 - s^2) = r is solved for s by bracketed Newton.
-fn splat(xy: vec2f, w: f32) {
+fn splat(xy: vec2f, w: f32, mu_i: f32) {
     let r = length(xy);
     let n_0 = scene.surround_n;
     var low = 0.0;
@@ -61,34 +61,36 @@ fn splat(xy: vec2f, w: f32) {
     if (any(at < vec2f(0.0)) || any(at >= vec2f(scene.image_size))) { return; }
     // Solid angle of the pixel: tan^2 cos^3.
     let solid = scene.pixel_tan * scene.pixel_tan * cos_c * cos_c * cos_c;
-    let light = w * through * s_over_r / (3.141592653589793 * scene.tissue_n * scene.tissue_n * cos_c * slope * solid);
+    let light = w * sent(mu_i, tissue_cosine(a)) * through * s_over_r / (3.141592653589793 * scene.tissue_n * scene.tissue_n * cos_c * slope * solid);
     deposit(u32(at.y) * scene.image_size.x + u32(at.x), light);
 }
 
-// Splats flux `w` (already times the albedo) that is about to leave the tissue near (x, y).
-fn leave_tissue(from_xy: vec2f, w: f32) {
+// Splats what tissue sends back of flux `w` that entered it at (x, y).
+fn leave_tissue(from_xy: vec2f, w: f32, mu_i: f32) {
     var xy = from_xy;
     if (SPREADING) {
         xy = displace(xy);
         if (!inside(xy)) { return; }
     }
-    splat(xy, w);
+    splat(xy, w, mu_i);
 }
 
 // What the boundary sends back into the tissue leaves it later; the map's reader sums this up by itself.
-fn tissue_reentry() {
-    if (SPLATTED) { leave_tissue(path.o.xy, path.weight * scene.tissue_albedo); }
+fn tissue_reentry(mu: f32) {
+    if (SPLATTED) { leave_tissue(path.o.xy, path.weight, mu); }
 }
 
 fn photon_touch() -> u32 {
     let a = abs(dot(path.p, path.normal));
     let r = boundary(path.o.xy, a);
+    let mu = tissue_cosine(a);
     if (SPLATTED) {
-        if (r.x < 1.0) { leave_tissue(path.o.xy, path.weight * (1.0 - r.x) * scene.tissue_albedo); }
+        if (r.x < 1.0) { leave_tissue(path.o.xy, path.weight * (1.0 - r.x), mu); }
     } else if (MAPPED && path.turns >= UNFOLDED) {
         let at = 2u * texel(path.o.xy);
-        if (r.y < 1.0) { deposit(at, path.weight * (1.0 - r.y)); }
-        if (r.z < 1.0) { deposit(at + 1u, path.weight * (1.0 - r.z)); }
+        let shares = map_shares(r, mu);
+        if (shares.x > 0.0) { deposit(at, path.weight * shares.x); }
+        if (shares.y > 0.0) { deposit(at + 1u, path.weight * shares.y); }
     }
     let u = draw();
     record(520u + select(0u, 1u, u < r.x), abs(u - r.x));
@@ -96,5 +98,5 @@ fn photon_touch() -> u32 {
         touch_reflect();
         return GOES_ON;
     }
-    return tissue_walk();
+    return tissue_walk(mu);
 }

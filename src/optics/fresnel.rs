@@ -44,10 +44,19 @@ pub fn incoherent_slab(first: f64, second: f64) -> f64 {
 
 /// Mean of a reflectance over Lambertian light: the integral of R(cos) 2 cos d(cos) over 0 to 1.
 pub fn lambertian_mean(reflectance: impl Fn(f64) -> f64) -> f64 {
+    lambertian_means(|cos| [reflectance(cos)])[0]
+}
+
+/// The same of several functions at once.
+pub fn lambertian_means<const N: usize>(functions: impl Fn(f64) -> [f64; N]) -> [f64; N] {
     // Midpoints of sin^2; the kink at the critical angle limits the error to about 1 / steps^1.5.
     let steps = 200_000;
-    let sum: f64 = (0..steps).map(|k| reflectance((1.0 - (k as f64 + 0.5) / steps as f64).sqrt())).sum();
-    sum / steps as f64
+    let mut sums = [0.0; N];
+    for k in 0..steps {
+        let values = functions((1.0 - (f64::from(k) + 0.5) / f64::from(steps)).sqrt());
+        sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+    }
+    sums.map(|sum| sum / f64::from(steps))
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@
 
 use super::cpu::photons::DEPOSIT_UNIT;
 use super::cpu::{Limits, Path};
-use super::model::Model;
+use super::model::{Model, Tissue};
+use super::scatter::Scatter;
 use super::smooth::Smoother;
 use super::spread::Spread;
 use rayon::prelude::*;
@@ -20,8 +21,8 @@ const GROUPS: usize = 8;
 /// and at most 0.1 where the bias is of fourth order.
 const MOST_ADDED: f64 = 3.0;
 
-/// Light per area that meets the touched face in a replicate: what would enter the tissue through true contact, and through
-/// the gap, in film units.
+/// Light per area that meets the touched face in a replicate, in film units: what would enter the tissue through true contact, and
+/// through the gap; or, where it is a half space, what it sends towards the map's two directions.
 #[derive(Debug, Clone)]
 pub struct ContactLight {
     /// Of photons.
@@ -37,17 +38,51 @@ pub struct TouchedFace {
     unit: f64,
     /// Area under tissue of each texel, mm^2.
     area: Vec<f64>,
-    /// Whether some of the face is in true contact, and some not.
+    /// That of a whole texel.
+    texel_area: f64,
+    /// Whether each of the maps is read: some of the face is in true contact, and some not.
     seen: [bool; 2],
-    spread: Option<SpreadFace>,
+    after: After,
 }
 
-/// Where light spreads sideways.
-struct SpreadFace {
-    spread: Spread,
-    /// Mean share of true contact of each texel.
-    share: Vec<f64>,
-    texel_area: f64,
+/// What becomes of the light that enters.
+enum After {
+    /// The reader of the map tells it, where tissue is Lambertian and light leaves where it entered.
+    Read,
+    /// It spreads sideways in Lambertian tissue: with the mean share of true contact of each texel.
+    Spread { spread: Spread, share: Vec<f64> },
+    /// The same in tissue as a half space.
+    SpreadHalfSpace(Spread),
+    /// Tissue is a half space and light leaves where it entered: with what the boundary mirrors back at each texel.
+    HalfSpace(Vec<[[f64; 2]; 2]>),
+}
+
+impl After {
+    fn of(model: &Model<f64>, tissue: &Tissue<f64>, share: Vec<f64>, area: &[f64], size: [f64; 2]) -> Self {
+        let reentry = share.iter().map(|&share| tissue.scatter.reentry(share));
+        let covered = reentry.clone().zip(area).map(|(reentry, area)| {
+            let part = area / (size[0] * size[1]);
+            reentry.map(|row| row.map(|v| v * part))
+        });
+        let columns = model.map_size[0];
+        match (&tissue.scatter, tissue.spread_d > 0.0) {
+            (Scatter::Lambertian(_), false) => Self::Read,
+            (Scatter::Lambertian(t), true) => {
+                let spread = Spread::new(columns, size, tissue.spread_d, t.albedo, covered.collect());
+                Self::Spread { spread, share }
+            }
+            (Scatter::HalfSpace(_), true) => {
+                Self::SpreadHalfSpace(Spread::new(columns, size, tissue.spread_d, 1.0, covered.collect()))
+            }
+            (Scatter::HalfSpace(_), false) => Self::HalfSpace(reentry.collect()),
+        }
+    }
+}
+
+/// The sum of what returns any number of times: (1 - M)^-1 v.
+fn all_returns([[a, b], [c, d]]: [[f64; 2]; 2], [v, w]: [f64; 2]) -> [f64; 2] {
+    let determinant = (1.0 - a) * (1.0 - d) - b * c;
+    [((1.0 - d) * v + b * w) / determinant, (c * v + (1.0 - a) * w) / determinant]
 }
 
 /// How the maps of a render are smoothed.
@@ -74,18 +109,14 @@ impl TouchedFace {
         let low = |k: usize| [corner(k % columns, 0), corner(k / columns, 1)];
         let texel_area = size[0] * size[1];
         let area: Vec<f64> = (0..columns * rows).map(|k| texel_area * tissue_share(model, low(k), size)).collect();
-        let spread = model.tissue.as_ref().filter(|tissue| tissue.spread_d > 0.0).map(|tissue| {
-            let share: Vec<f64> = (0..columns * rows).map(|k| contact_share(model, low(k), size)).collect();
-            let mirrored = |(share, area): (&f64, &f64)| {
-                (tissue.reentry_gap + share * (tissue.reentry_contact - tissue.reentry_gap)) * area / texel_area
-            };
-            let reentry = share.iter().zip(&area).map(mirrored).collect();
-            let spread = Spread::new(columns, size, tissue.spread_d, tissue.albedo, reentry);
-            SpreadFace { spread, share, texel_area }
+        let after = model.tissue.as_ref().map_or(After::Read, |tissue| {
+            let share = (0..columns * rows).map(|k| contact_share(model, low(k), size)).collect();
+            After::of(model, tissue, share, &area, size)
         });
         let uniform = model.tissue.as_ref().filter(|tissue| tissue.grid.is_empty()).map(|tissue| tissue.share);
-        let seen = [uniform != Some(0.0), uniform != Some(1.0)];
-        Self { columns, unit: model.power / DEPOSIT_UNIT, area, seen, spread }
+        let both = model.tissue.as_ref().is_some_and(|tissue| tissue.scatter.is_half_space());
+        let seen = [both || uniform != Some(0.0), both || uniform != Some(1.0)];
+        Self { columns, unit: model.power / DEPOSIT_UNIT, area, texel_area, seen, after }
     }
 
     /// Turns deposits of `sent` photons into light per area, beside light found without photons.
@@ -98,8 +129,8 @@ impl TouchedFace {
         ContactLight { light, direct }
     }
 
-    /// What camera paths read, for each replicate: light times area beside the area, for true contact and for the gap; or,
-    /// where light spreads, the exitance in place of the first.
+    /// What camera paths read, for each replicate: light times area beside the area, for true contact and for the gap; the exitance
+    /// in place of the first, where light spreads; the exitance towards the map's two directions, where tissue is a half space.
     pub fn texels(&self, maps: &[ContactLight], smoothing: Smoothing) -> Vec<Vec<[f64; 4]>> {
         let smoothers = smoothing.widths.map(|width| Smoother::new(&self.area, self.columns, width));
         let smooth = |map: &ContactLight| {
@@ -113,27 +144,45 @@ impl TouchedFace {
                 light
             })
         };
-        let Some(SpreadFace { spread, share, texel_area }) = &self.spread else {
-            let texels = |[contact, gap]: [Vec<f64>; 2]| {
-                contact.iter().zip(&gap).zip(&self.area).map(|((c, g), &a)| [c * a, a, g * a, a]).collect()
-            };
-            return maps.par_iter().map(|map| texels(smooth(map))).collect();
+        let texels = |[one, other]: [Vec<f64>; 2]| -> Vec<[f64; 4]> {
+            one.iter().zip(&other).zip(&self.area).map(|((one, other), &a)| [one * a, a, other * a, a]).collect()
         };
-        let entering = |map: &ContactLight| -> Vec<f64> {
-            let [contact, gap] = smooth(map);
-            let mixed = contact.iter().zip(&gap).zip(share).map(|((c, g), share)| g + share * (c - g));
-            mixed.zip(&self.area).map(|(light, area)| light * area).collect()
-        };
-        let texels = |flux: Vec<f64>| -> Vec<[f64; 4]> {
-            flux.iter().zip(&self.area).map(|(flux, &area)| [flux / texel_area * area, area, 0.0, 0.0]).collect()
-        };
-        let pair = |pair: &[ContactLight]| -> Vec<Vec<[f64; 4]>> {
-            let flux: Vec<Vec<f64>> = pair.iter().map(entering).collect();
-            let (Some(first), Some(last)) = (flux.first(), flux.last()) else { return Vec::new() };
-            let [one, other] = spread.exitance([first, last]);
-            [one, other].into_iter().take(pair.len()).map(texels).collect()
-        };
-        maps.par_chunks(2).flat_map_iter(pair).collect()
+        match &self.after {
+            After::Read => maps.par_iter().map(|map| texels(smooth(map))).collect(),
+            After::HalfSpace(reentry) => {
+                let all = |[mut one, mut other]: [Vec<f64>; 2]| {
+                    for ((one, other), reentry) in one.iter_mut().zip(&mut other).zip(reentry) {
+                        [*one, *other] = all_returns(*reentry, [*one, *other]);
+                    }
+                    [one, other]
+                };
+                maps.par_iter().map(|map| texels(all(smooth(map)))).collect()
+            }
+            After::SpreadHalfSpace(spread) => {
+                maps.par_iter().map(|map| texels(self.spread(spread, &smooth(map)))).collect()
+            }
+            After::Spread { spread, share } => {
+                let mixed = |map: &ContactLight| -> Vec<f64> {
+                    let [contact, gap] = smooth(map);
+                    contact.iter().zip(&gap).zip(share).map(|((c, g), share)| g + share * (c - g)).collect()
+                };
+                // Two replicates at once.
+                let pair = |pair: &[ContactLight]| -> Vec<Vec<[f64; 4]>> {
+                    let light: Vec<Vec<f64>> = pair.iter().map(mixed).collect();
+                    let (Some(first), Some(last)) = (light.first(), light.last()) else { return Vec::new() };
+                    let spread = self.spread(spread, &[first.clone(), last.clone()]);
+                    let nothing = || vec![0.0; self.area.len()];
+                    spread.into_iter().take(pair.len()).map(|exitance| texels([exitance, nothing()])).collect()
+                };
+                maps.par_chunks(2).flat_map_iter(pair).collect()
+            }
+        }
+    }
+
+    /// Exitance from two maps of light per area of tissue, per area of the texels.
+    fn spread(&self, spread: &Spread, light: &[Vec<f64>; 2]) -> [Vec<f64>; 2] {
+        let flux = [0, 1].map(|k| light[k].iter().zip(&self.area).map(|(v, area)| v * area).collect::<Vec<_>>());
+        spread.exitance([&flux[0], &flux[1]]).map(|flux| flux.iter().map(|flux| flux / self.texel_area).collect())
     }
 
     /// Chooses the smoothing from the maps of independent replicates.

@@ -5,6 +5,7 @@ use super::backend::TraceError;
 use super::kernel::{Kernel, ShapePiece, Spare};
 use super::model::{Camera, FieldShape, Heights, Model, Shape, Tissue};
 use super::render::{Settings, Stage, render};
+use super::scatter::Scatter;
 use crate::film::compare::compare;
 use crate::film::{Film, mean_interval};
 use crate::scene::Integrator;
@@ -178,7 +179,7 @@ fn over_the_plane(model: &mut Model<f64>) {
 fn out_of_reach(n: f64) -> Tissue<f64> {
     Tissue {
         n,
-        albedo: 0.0,
+        scatter: Scatter::lambertian(0.0, |_| 0.0, |_| 0.0),
         spread_d: 0.0,
         center: [0.0; 2],
         radius_sq: -1.0,
@@ -187,8 +188,6 @@ fn out_of_reach(n: f64) -> Tissue<f64> {
         grid: Vec::new(),
         dn_sq: 0.0,
         gap_dn_sq: 0.0,
-        reentry_contact: 0.0,
-        reentry_gap: 0.0,
     }
 }
 

@@ -19,6 +19,8 @@ pub struct Kernel {
     pub rough: bool,
     /// Tissue touches the sensor.
     pub touched: bool,
+    /// Tissue is a half space of scatterers, not Lambertian.
+    pub half_space: bool,
     /// Light spreads sideways in the tissue.
     pub spreading: bool,
     /// The share of true contact varies.
@@ -100,6 +102,7 @@ impl Kernel {
             mirror_walls: model.walls == Walls::Mirror,
             rough: carries(Spare::Roughness) || model.faces.iter().any(|f| f.kind != 0),
             touched: model.tissue.is_some(),
+            half_space: model.tissue.as_ref().is_some_and(|t| t.scatter.is_half_space()),
             spreading: model.tissue.as_ref().is_some_and(|t| t.spread_d > zero),
             share_grid: model.tissue.as_ref().is_some_and(|t| !t.grid.is_empty()),
             led_tables: carries(Spare::LedTables) || model.leds.iter().any(|l| l.table.is_some()),
@@ -121,7 +124,7 @@ impl Kernel {
     }
 
     /// Names of the pieces, and whether each is in.
-    pub fn pieces(&self) -> [(&'static str, bool); 17] {
+    pub fn pieces(&self) -> [(&'static str, bool); 18] {
         [
             ("spherical cap", self.shape == ShapePiece::Cap),
             ("height fields over the plane", self.shape == ShapePiece::Field),
@@ -133,6 +136,7 @@ impl Kernel {
             ("mirror walls", self.mirror_walls),
             ("roughness", self.rough),
             ("tissue contact", self.touched),
+            ("tissue as a half space of scatterers", self.half_space),
             ("sideways spread in tissue", self.spreading),
             ("contact share grid", self.share_grid),
             ("tabulated LED patterns", self.led_tables),

@@ -17,6 +17,7 @@ pub mod plan;
 pub mod rays;
 pub mod real;
 pub mod render;
+pub mod scatter;
 mod scene_model;
 mod smooth;
 mod spread;

@@ -6,6 +6,7 @@
 use super::kernel::Spare;
 use super::leds::Led;
 pub use super::real::Real;
+use super::scatter::Scatter;
 
 /// Side walls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -130,8 +131,8 @@ pub struct MeshShape<T> {
 pub struct Tissue<T> {
     /// Refractive index.
     pub n: T,
-    /// Share returned diffusely.
-    pub albedo: T,
+    /// What it does with light that enters it.
+    pub scatter: Scatter<T>,
     /// Scale of the lateral profile, mm (its mean distance is 2.5 times this).
     pub spread_d: T,
     /// Centre, mm.
@@ -148,10 +149,6 @@ pub struct Tissue<T> {
     pub dn_sq: T,
     /// n_surround^2 - n_top^2.
     pub gap_dn_sq: T,
-    /// Diffuse internal reflectance, tissue to guide, through true contact.
-    pub reentry_contact: T,
-    /// The same through the air gap.
-    pub reentry_gap: T,
 }
 
 /// Camera geometry, mm.
@@ -278,7 +275,7 @@ impl Model<f64> {
             led_tables: self.led_tables.iter().map(|&t| pair(t)).collect(),
             tissue: self.tissue.as_ref().map(|t| Tissue {
                 n: of(t.n),
-                albedo: of(t.albedo),
+                scatter: t.scatter.cast(),
                 spread_d: of(t.spread_d),
                 center: pair(t.center),
                 radius_sq: of(t.radius_sq),
@@ -287,8 +284,6 @@ impl Model<f64> {
                 grid: t.grid.iter().map(|&v| of(v)).collect(),
                 dn_sq: of(t.dn_sq),
                 gap_dn_sq: of(t.gap_dn_sq),
-                reentry_contact: of(t.reentry_contact),
-                reentry_gap: of(t.reentry_gap),
             }),
             camera: Camera {
                 size: self.camera.size,

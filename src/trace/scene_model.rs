@@ -1,6 +1,7 @@
 //! From a validated scene to the tracer's model.
 
 use super::model::{Camera, CapShape, Face, FieldShape, Heights, Layer, MeshShape, Model, Shape, Tissue, Walls};
+use super::scatter::Scatter;
 use super::{leds, unfold};
 use crate::optics::{fresnel, tissue};
 use crate::scene::{self, LoadedScene, Roughness};
@@ -175,11 +176,6 @@ impl Face<f64> {
 }
 
 fn tissue_of(t: &scene::Tissue, map: ContactMap, n_top: f64, n_0: f64) -> Tissue<f64> {
-    let albedo = match (t.diffuse_reflectance, t.reduced_scattering_per_mm, t.absorption_per_mm) {
-        (Some(r), _, _) => r,
-        (None, Some(s), Some(a)) => tissue::diffuse_reflectance(s, a),
-        _ => 0.0,
-    };
     let contact = |cos: f64| fresnel::reflectance(cos, t.n, n_top);
     let gap = |cos: f64| {
         let first = fresnel::reflectance(cos, t.n, n_0);
@@ -189,9 +185,13 @@ fn tissue_of(t: &scene::Tissue, map: ContactMap, n_top: f64, n_0: f64) -> Tissue
         }
         fresnel::incoherent_slab(first, fresnel::reflectance((1.0 - sin_sq).sqrt(), n_0, n_top))
     };
+    let scatter = match (t.diffuse_reflectance, t.reduced_scattering_per_mm, t.absorption_per_mm) {
+        (None, Some(s), Some(a)) => Scatter::half_space(&tissue::HalfSpace::new(s, a), contact, gap),
+        (given, _, _) => Scatter::lambertian(given.unwrap_or(0.0), contact, gap),
+    };
     Tissue {
         n: t.n,
-        albedo,
+        scatter,
         spread_d: t.spread_mm / 2.5,
         center: map.center_mm,
         radius_sq: (map.radius_mm * map.radius_mm).min(1e30),
@@ -200,8 +200,6 @@ fn tissue_of(t: &scene::Tissue, map: ContactMap, n_top: f64, n_0: f64) -> Tissue
         grid: map.share,
         dn_sq: (t.n - n_top) * (t.n + n_top),
         gap_dn_sq: (n_0 - n_top) * (n_0 + n_top),
-        reentry_contact: fresnel::lambertian_mean(contact),
-        reentry_gap: fresnel::lambertian_mean(gap),
     }
 }
 

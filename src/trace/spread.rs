@@ -3,7 +3,8 @@
 //! Light that enters the tissue survives with the chance a (its albedo), leaves it at a distance r of the Christensen-Burley
 //! profile p(r) = (exp(-r/d) + exp(-r/3d)) / (8 pi d r) and is mirrored back at the boundary with a chance rho. So the
 //! exitance B towards the boundary is that of B = a p * (Phi + rho B) where there is tissue, * the convolution, Phi what
-//! enters. Photons could draw each such step; the convolution, by Fourier transforms, adds no noise and takes most of
+//! enters. Where tissue is a half space, Phi and B are two numbers, what leaves towards the map's two directions (`scatter.rs`): a is in
+//! Phi and in rho, which then mixes both. Photons could draw each such step; the convolution, by Fourier transforms, adds no noise and takes most of
 //! what Phi has.
 
 use rustfft::num_complex::Complex;
@@ -26,14 +27,14 @@ pub struct Spread {
     size: [usize; 2],
     /// Spectrum of albedo times profile times the area of a texel, over the number of cells; real, since the profile is even.
     spectrum: Vec<f64>,
-    /// Share that the boundary mirrors back into the tissue; 0 where there is none.
-    reentry: Vec<f64>,
+    /// What the boundary mirrors back into the tissue of the two maps, rows `[to][from]`; 0 where there is none.
+    reentry: Vec<[[f64; 2]; 2]>,
     plans: [[Arc<dyn Fft<f64>>; 2]; 2],
 }
 
 impl Spread {
     /// Prepares a grid of texels of `texel_mm` with the profile's length `d_mm`; `reentry` per texel.
-    pub fn new(columns: usize, texel_mm: [f64; 2], d_mm: f64, albedo: f64, reentry: Vec<f64>) -> Self {
+    pub fn new(columns: usize, texel_mm: [f64; 2], d_mm: f64, albedo: f64, reentry: Vec<[[f64; 2]; 2]>) -> Self {
         let rows = reentry.len() / columns;
         let size = [0, 1].map(|axis| {
             let margin = (MARGIN * 3.0 * d_mm / texel_mm[axis]).ceil() as usize;
@@ -63,7 +64,8 @@ impl Spread {
                 total.iter_mut().zip(&term).zip(source.iter_mut().zip(&self.reentry))
             {
                 *total += term;
-                *source = term * reentry;
+                let back = reentry.map(|[re, im]| re * term.re + im * term.im);
+                *source = Complex::new(back[0], back[1]);
                 last += source.norm_sqr();
                 whole += total.norm_sqr();
             }
@@ -197,7 +199,7 @@ mod tests {
     #[test]
     fn even_light_is_a_geometric_series() {
         let (albedo, reentry) = (0.76, 0.5);
-        let spread = Spread::new(200, [0.25, 0.25], 0.2, albedo, vec![reentry; 200 * 180]);
+        let spread = Spread::new(200, [0.25, 0.25], 0.2, albedo, vec![[[reentry, 0.0], [0.0, reentry]]; 200 * 180]);
         let [once, twice] = spread.exitance([&vec![1.0; 200 * 180], &vec![2.0; 200 * 180]]);
         let middle = 90 * 200 + 100;
         let exact = albedo / (1.0 - albedo * reentry);
@@ -211,9 +213,10 @@ mod tests {
     #[test]
     fn what_leaves_beyond_the_tissue_is_lost() {
         let columns = 120;
-        let half = |k: usize| if k % columns < 60 { 0.5 } else { 0.0 };
+        let half = |k: usize| if k % columns < 60 { HALF } else { [[0.0; 2]; 2] };
+        const HALF: [[f64; 2]; 2] = [[0.5, 0.0], [0.0, 0.5]];
         let part = Spread::new(columns, [0.2, 0.2], 0.3, 0.8, (0..columns * 100).map(half).collect());
-        let whole = Spread::new(columns, [0.2, 0.2], 0.3, 0.8, vec![0.5; columns * 100]);
+        let whole = Spread::new(columns, [0.2, 0.2], 0.3, 0.8, vec![HALF; columns * 100]);
         let mut source = vec![0.0; columns * 100];
         source[50 * columns + 58] = 1.0;
         let at = |spread: &Spread| spread.exitance([&source, &source])[0].iter().sum::<f64>();

@@ -2,7 +2,7 @@
 //!
 //! `golden/NAME/scene.toml` is the scene, `radiance.exr` its image, `README.md` says how it was made. Contact scenes are
 //! rendered by `splat`, so that their light is found in another way than it was for the stored image. With
-//! `TIRTOUCH_REGENERATE_GOLDEN=1` the images and their READMEs are written anew, and the test fails saying so.
+//! `TIRTOUCH_REGENERATE_GOLDEN=1`, or `=NAME` for one of them, the images and their READMEs are written anew, and the test fails saying so.
 
 use crate::adapter::require_gpu;
 use crate::films::{failed, film, gpu};
@@ -152,8 +152,8 @@ impl Golden {
 
 #[test]
 fn fresh_images_agree_with_the_stored_ones() {
-    if std::env::var(REGENERATE).as_deref() == Ok("1") {
-        GOLDENS.iter().for_each(Golden::regenerate);
+    if let Ok(which) = std::env::var(REGENERATE) {
+        GOLDENS.iter().filter(|golden| which == "1" || which == golden.name).for_each(Golden::regenerate);
         panic!("the stored images were written anew; look at them, and run without {REGENERATE}");
     }
     for golden in GOLDENS {

@@ -107,16 +107,36 @@ fn a_ray_through_the_papers_silicone_comes_out_where_it_should() {
 
 /// Full contact with tissue over the whole touched face.
 pub fn covered(loaded: &mut LoadedScene, n: f64, albedo: f64) {
+    covered_by(loaded, Tissue { n, ..lambertian(albedo) });
+}
+
+/// Lambertian tissue.
+pub fn lambertian(albedo: f64) -> Tissue {
+    Tissue {
+        n: 1.41,
+        diffuse_reflectance: Some(albedo),
+        reduced_scattering_per_mm: None,
+        absorption_per_mm: None,
+        spread_mm: 0.0,
+    }
+}
+
+/// Tissue of reduced scattering 1 per mm.
+pub fn scattering(absorption: f64) -> Tissue {
+    Tissue {
+        diffuse_reflectance: None,
+        reduced_scattering_per_mm: Some(1.0),
+        absorption_per_mm: Some(absorption),
+        ..lambertian(0.0)
+    }
+}
+
+/// Full contact with this tissue over the whole touched face.
+pub fn covered_by(loaded: &mut LoadedScene, tissue: Tissue) {
     loaded.scene.touch.contact = Some(Contact {
         pressure: Pressure::Disc { radius_mm: 1e3, center_mm: [0.0; 2], pressure_kpa: 1.0 },
         law: ContactLaw::Full,
-        tissue: Tissue {
-            n,
-            diffuse_reflectance: Some(albedo),
-            reduced_scattering_per_mm: None,
-            absorption_per_mm: None,
-            spread_mm: 0.0,
-        },
+        tissue,
     });
 }
 

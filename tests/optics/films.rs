@@ -1,8 +1,9 @@
 //! Methods that share no light find the same image: paths from the camera, photons splatted, photons in a map.
 
+use crate::beams::{lambertian, scattering};
 use crate::bench;
 use tirtouch::film::{self, Film};
-use tirtouch::scene::{Integrator, Led, LoadedScene, Pattern, Pressure, Roughness};
+use tirtouch::scene::{Integrator, Led, LoadedScene, Pattern, Pressure, Roughness, Tissue};
 use tirtouch::trace::{BackendChoice, Model, Precision, Settings, render};
 
 /// Chance of a false alarm, over all levels of blocks together: as four standard errors.
@@ -83,6 +84,28 @@ fn paths_splats_and_map_agree_on_a_disc_of_contact_and_see_an_albedo_off_by_4_pe
     }
     let other = film(&bench::model(&loaded), Integrator::Map, 64, 1 << 22, 4);
     assert!(!agree("another albedo", &splat, &other));
+}
+
+#[test]
+fn paths_splats_and_map_agree_on_tissue_given_by_coefficients_and_see_a_lambertian_one() {
+    let mut loaded = bright("contact-disc");
+    let set = |loaded: &mut LoadedScene, tissue| {
+        if let Some(contact) = &mut loaded.scene.touch.contact {
+            contact.tissue = tissue;
+        }
+    };
+    set(&mut loaded, Tissue { n: 1.38, ..scattering(0.01) });
+    let model = bench::model(&loaded);
+    let path = film(&model, Integrator::Path, 1536, 1 << 20, 1);
+    let splat = film(&model, Integrator::Splat, 64, 1 << 22, 2);
+    let map = film(&model, Integrator::Map, 64, 1 << 22, 3);
+    agree_within(0.02, "path and splat", &path, &splat);
+    agree_within(0.02, "path and map", &path, &map);
+    agree_within(0.02, "splat and map", &splat, &map);
+    // As much light in all, but alike in all directions.
+    set(&mut loaded, Tissue { n: 1.38, ..lambertian(0.7955) });
+    let even = film(&bench::model(&loaded), Integrator::Map, 64, 1 << 22, 4);
+    assert!(!agree("Lambertian", &splat, &even));
 }
 
 #[test]

@@ -17,7 +17,7 @@ fn walk_through<T: Real>(path: &mut Path<T>) -> End {
                 path.p.z = -path.p.z;
                 End::GoesOn
             } else {
-                path.tissue_walk()
+                path.tissue_walk(path.model.tissue.as_ref().unwrap().cosine(path.p.dot(path.normal).abs()))
             };
         }
         if end != End::GoesOn {

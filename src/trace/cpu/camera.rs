@@ -3,7 +3,7 @@
 use super::fresnel::fresnel;
 use super::vec3::v3;
 use super::{End, Limits, Path, V3, book};
-use crate::trace::model::{Model, Real};
+use crate::trace::model::{Model, Real, Tissue};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
@@ -119,7 +119,7 @@ impl<T: Real> Path<'_, T> {
         self.turns = 0;
     }
 
-    fn exitance_at(&self, texels: &[[T; 4]], x: T, y: T) -> T {
+    fn exitance_at(&self, tissue: &Tissue<T>, texels: &[[T; 4]], [x, y]: [T; 2], mu_o: T) -> T {
         let (zero, one) = (T::zero(), T::one());
         let [columns, rows] = self.model.map_size;
         let axis = |v: T, half: T, n: usize| {
@@ -140,25 +140,18 @@ impl<T: Real> Path<'_, T> {
             }
         }
         let ratio = |deposit: T, area: T| if area > zero { deposit / area } else { zero };
-        let contact = ratio(sum[0], sum[1]);
-        let Some(tissue) = self.model.tissue.as_ref() else {
-            return zero;
-        };
-        if self.kernel.spreading {
-            return contact;
-        }
-        let gap = ratio(sum[2], sum[3]);
-        let share = self.contact_share(x, y);
-        let mix = |a: T, b: T| a * (one - share) + b * share;
-        let reentry = mix(tissue.reentry_gap, tissue.reentry_contact);
-        tissue.albedo * mix(gap, contact) / (one - tissue.albedo * reentry)
+        self.exitance_toward(tissue, x, y, [ratio(sum[0], sum[1]), ratio(sum[2], sum[3])], mu_o)
     }
 
     fn camera_touch(&mut self, view: View<T>, light: &mut T) -> End {
+        let Some(tissue) = self.tissue() else {
+            return End::Absorbed;
+        };
         let a = self.p.dot(self.normal).abs();
+        let mu = tissue.cosine(a);
         let r = self.boundary(self.o.x, self.o.y, a).mixed;
-        if let (Some(texels), Some(tissue)) = (view.exitance, self.model.tissue.as_ref()) {
-            let out = self.exitance_at(texels, self.o.x, self.o.y);
+        if let Some(texels) = view.exitance {
+            let out = self.exitance_at(tissue, texels, [self.o.x, self.o.y], mu);
             *light = *light + self.weight * (T::one() - r) * out / (T::of(PI) * tissue.n * tissue.n);
         }
         let chance = if view.exitance.is_some() { r.max(T::of(REFLECTED)) } else { r };
@@ -172,6 +165,6 @@ impl<T: Real> Path<'_, T> {
         if view.exitance.is_some() || (view.complement && self.turns == 0) {
             return End::Absorbed;
         }
-        self.tissue_walk()
+        self.tissue_walk(mu)
     }
 }

@@ -10,6 +10,7 @@ pub mod photons;
 pub mod random;
 pub mod rough;
 pub mod surface;
+pub mod tissue;
 pub mod touch;
 pub mod vec3;
 pub mod walk;

@@ -99,8 +99,9 @@ impl<T: Real> Path<'_, T> {
         cell(y, self.model.half_size[1], rows) * columns + cell(x, self.model.half_size[0], columns)
     }
 
-    /// Light of flux `w` that leaves the tissue at (x, y), connected to the pinhole through the flat stack.
-    fn splat(&mut self, x: T, y: T, w: T) {
+    /// Light of flux `w` that entered the tissue at the cosine `mu_i` and leaves it at (x, y), connected to the pinhole through the
+    /// flat stack.
+    fn splat(&mut self, x: T, y: T, w: T, mu_i: T) {
         let (zero, one) = (T::zero(), T::one());
         let model = self.model;
         let Some(tissue) = model.tissue.as_ref() else {
@@ -138,6 +139,7 @@ impl<T: Real> Path<'_, T> {
             s = step;
         }
         let mut c = (model.layers[top].n_sq - s * s).max(zero).sqrt();
+        let w = w * tissue.sent(mu_i, tissue.cosine(c));
         let mut through = one - self.boundary(x, y, c).mixed;
         for k in (1..=top).rev() {
             let layer = model.layers[k];
@@ -167,7 +169,8 @@ impl<T: Real> Path<'_, T> {
         self.deposit(pixel, light);
     }
 
-    fn leave_tissue(&mut self, x: T, y: T, w: T) {
+    /// Splats what tissue sends back of flux `w` that entered it at (x, y).
+    fn leave_tissue(&mut self, x: T, y: T, w: T, mu_i: T) {
         let (mut x, mut y) = (x, y);
         if self.kernel.spreading {
             (x, y) = self.displace(x, y);
@@ -175,31 +178,34 @@ impl<T: Real> Path<'_, T> {
                 return;
             }
         }
-        self.splat(x, y, w);
+        self.splat(x, y, w, mu_i);
     }
 
-    pub(super) fn tissue_reentry(&mut self) {
-        let splatted = self.deposits.is_some_and(|d| d.splatted);
-        if let (true, Some(t)) = (splatted, self.model.tissue.as_ref()) {
-            self.leave_tissue(self.o.x, self.o.y, self.weight * t.albedo);
+    pub(super) fn tissue_reentry(&mut self, mu: T) {
+        if self.deposits.is_some_and(|d| d.splatted) {
+            self.leave_tissue(self.o.x, self.o.y, self.weight, mu);
         }
     }
 
     /// At tissue: leaves light behind, and says how the photon goes on.
     pub fn photon_touch(&mut self) -> End {
+        let Some(tissue) = self.tissue() else {
+            return End::Absorbed;
+        };
         let one = T::one();
         let a = self.p.dot(self.normal).abs();
         let r = self.boundary(self.o.x, self.o.y, a);
-        let albedo = self.model.tissue.as_ref().map_or(T::zero(), |t| t.albedo);
+        let mu = tissue.cosine(a);
         if let Some(deposits) = self.deposits {
             if deposits.splatted {
                 if r.mixed < one {
-                    self.leave_tissue(self.o.x, self.o.y, self.weight * (one - r.mixed) * albedo);
+                    self.leave_tissue(self.o.x, self.o.y, self.weight * (one - r.mixed), mu);
                 }
             } else if self.turns >= self.kernel.unfolded {
                 let at = 2 * self.texel(self.o.x, self.o.y);
-                self.deposit(at, self.weight * (one - r.contact));
-                self.deposit(at + 1, self.weight * (one - r.gap));
+                let shares = tissue.map_shares(&r, mu);
+                self.deposit(at, self.weight * shares[0]);
+                self.deposit(at + 1, self.weight * shares[1]);
             }
         }
         let u = self.draw();
@@ -208,6 +214,6 @@ impl<T: Real> Path<'_, T> {
             self.touch_reflect();
             return End::GoesOn;
         }
-        self.tissue_walk()
+        self.tissue_walk(mu)
     }
 }

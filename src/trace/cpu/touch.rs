@@ -17,7 +17,7 @@ pub struct Boundary<T> {
 }
 
 impl<'m, T: Real> Path<'m, T> {
-    fn tissue(&self) -> Option<&'m Tissue<T>> {
+    pub(super) fn tissue(&self) -> Option<&'m Tissue<T>> {
         self.model.tissue.as_ref()
     }
 
@@ -87,17 +87,19 @@ impl<'m, T: Real> Path<'m, T> {
         x.abs() < self.model.half_size[0] && y.abs() < self.model.half_size[1] && self.tissue_here(x, y)
     }
 
-    /// From entering the tissue to leaving it into the guide, or to the path's end.
-    pub fn tissue_walk(&mut self) -> End {
+    /// From entering the tissue at the cosine `cos_in` to leaving it into the guide, or to the path's end.
+    pub fn tissue_walk(&mut self, cos_in: T) -> End {
         let Some(t) = self.tissue() else {
             return End::Absorbed;
         };
         let (zero, one) = (T::zero(), T::one());
         let top = self.top();
+        let mut mu = cos_in;
         for _ in 0..4096 {
             let lives = self.draw();
-            self.record(512 + u32::from(lives < t.albedo), (lives - t.albedo).abs());
-            if lives >= t.albedo {
+            let share = t.returned(mu);
+            self.record(512 + u32::from(lives < share), (lives - share).abs());
+            if lives >= share {
                 return End::Absorbed;
             }
             if self.kernel.spreading {
@@ -115,14 +117,17 @@ impl<'m, T: Real> Path<'m, T> {
             }
             let sin_sq = self.draw();
             let phi = T::of(std::f64::consts::TAU) * self.draw();
-            let b = t.n * (one - sin_sq).sqrt();
+            let mu_out = (one - sin_sq).sqrt();
+            self.weigh(t, mu, mu_out);
+            let b = t.n * mu_out;
             let a_sq = b * b - t.dn_sq;
             let a = a_sq.max(zero).sqrt();
             let r = if a_sq <= zero { one } else { self.boundary(self.o.x, self.o.y, a).mixed };
             let u = self.draw();
             self.record(514 + u32::from(u < r), (u - r).abs());
             if u < r {
-                self.tissue_reentry();
+                mu = mu_out;
+                self.tissue_reentry(mu);
                 continue;
             }
             let s = t.n * sin_sq.sqrt();

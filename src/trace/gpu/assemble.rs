@@ -6,6 +6,7 @@
 //! | `field_grid` or `field_profile` | height fields over the plane or about an axis |
 //! | `smooth` or `rough` | some interface is rough |
 //! | `touch_none`, or `touch` with `touch_camera` or `touch_photons` | tissue touches |
+//! | `tissue_lambertian` or `tissue_half_space` | how tissue that touches is given |
 //! | `record_none` or `record` | event histories are wanted (tests) |
 //!
 //! Everything smaller is an override constant, folded when the pipeline is built.
@@ -15,6 +16,7 @@ use crate::trace::backend::{CameraMode, PhotonMode};
 use crate::trace::kernel::{Kernel, ShapePiece};
 use crate::trace::leds::Led;
 use crate::trace::model::{Face, Heights, Layer, Model, Shape};
+use crate::trace::scatter::Scatter;
 
 macro_rules! piece {
     ($name:literal) => {
@@ -59,6 +61,10 @@ pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> String {
     ];
     if kernel.touched {
         pieces.push(piece!("lib/touch"));
+        pieces.push(match kernel.half_space {
+            true => piece!("lib/tissue_half_space"),
+            false => piece!("lib/tissue_lambertian"),
+        });
         pieces.push(match entry {
             Entry::Camera(_) => piece!("lib/touch_camera"),
             Entry::Photons(_) => piece!("lib/touch_photons"),
@@ -124,6 +130,10 @@ fn accessors(model: &Model<f32>) -> String {
     };
     picked("lamp_picked", |l| l.cumulative);
     picked("lamp_picked_aimed", |l| l.cumulative_aimed);
+    if let Some(Scatter::HalfSpace(tissue)) = model.tissue.as_ref().map(|t| t.scatter) {
+        let term = |[place, weight]: [f32; 2]| format!("{} / ({} + mu)", weight.wgsl(), place.wgsl());
+        text.push_str(&format!("fn h_terms(mu: f32) -> f32 {{ return {}; }}\n", tissue.terms.map(term).join(" + ")));
+    }
     accessor(&mut text, "face_kind", "u32", model.faces.iter().map(|f| word(f.kind as usize)));
     accessor(&mut text, "face_field", "u32", model.faces.iter().map(|f| word(f.field * field_vectors)));
     text

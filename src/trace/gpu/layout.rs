@@ -2,6 +2,7 @@
 
 use crate::trace::cpu::random::shift;
 use crate::trace::model::{Heights, Model, Shape};
+use crate::trace::scatter::Scatter;
 use bytemuck::{Pod, Zeroable};
 
 macro_rules! shader_struct {
@@ -65,6 +66,7 @@ shader_struct! {
         image_size: [u32; 2], pixel_tan: f32, camera_distance: f32,
         lens_radius: f32, focus_distance: f32, tissue_dn_sq: f32, gap_dn_sq: f32,
         field_center: [f32; 2],
+        quarter_albedo: f32, h_floor: f32, map_cosines: [f32; 2], map_toward: [f32; 2], map_between: [f32; 2],
     }
 }
 
@@ -116,16 +118,24 @@ pub fn scene(m: &Model<f32>) -> Scene {
     };
     if let Some(t) = &m.tissue {
         out.tissue_n = t.n;
-        out.tissue_albedo = t.albedo;
         out.tissue_center = t.center;
         out.tissue_radius_sq = t.radius_sq;
         out.spread_d = t.spread_d;
         out.share_size = size(t.grid_size);
         out.share = t.share;
-        out.reentry_contact = t.reentry_contact;
-        out.reentry_gap = t.reentry_gap;
         out.tissue_dn_sq = t.dn_sq;
         out.gap_dn_sq = t.gap_dn_sq;
+        match &t.scatter {
+            Scatter::Lambertian(t) => {
+                out.tissue_albedo = t.albedo;
+                out.reentry_contact = t.reentry_contact;
+                out.reentry_gap = t.reentry_gap;
+            }
+            Scatter::HalfSpace(t) => {
+                (out.quarter_albedo, out.h_floor) = (t.quarter_albedo, t.floor);
+                (out.map_cosines, out.map_toward, out.map_between) = (t.cosines, t.toward, t.between);
+            }
+        }
     }
     match &m.shape {
         Shape::Cap(c) => {

@@ -48,8 +48,7 @@ pub fn reflections(model: &Model<f64>) -> u32 {
     if terms < MOST_TERMS { reflections as u32 } else { 0 }
 }
 
-/// Light per area that meets the tissue straight from the LEDs, of each texel: what would enter through true contact, and through
-/// the gap; in film units. `shift`, in [0, 1), moves the places on the LEDs.
+/// Light per area that meets the tissue straight from the LEDs, of each texel: the map's two numbers, in film units. `shift`, in [0, 1), moves the places on the LEDs.
 pub fn direct_light(model: &Model<f64>, reflections: u32, shift: [f64; 2]) -> [Vec<f64>; 2] {
     match Site::of(model) {
         Some(site) => on_texels(model, &site, &on_points(model, &site, reflections, shift)),
@@ -130,6 +129,7 @@ fn cubic(x: f64) -> [f64; 4] {
 /// Light per area at a point of the touched face.
 fn at_point(path: &Path<f64>, site: &Site, sources: &[(&Led<f64>, &[Row])], at: [f64; 2], shift: f64) -> [f64; 2] {
     let per_mm = site.steps as f64 / (site.far - site.near);
+    let share = path.kernel.half_space.then(|| path.contact_share(at[0], at[1]));
     let mut sum = [0.0; 2];
     for (led, rows) in sources {
         let spot = Spot::of(path.model, led);
@@ -152,7 +152,14 @@ fn at_point(path: &Path<f64>, site: &Site, sources: &[(&Led<f64>, &[Row])], at: 
                         radiance(path, &spot, led, row, &term, m, [depth / r, aside / r])
                     };
                     let weight = area * radiance * below_tissue(path, &spot, &term, m, at, [depth, aside]);
-                    (0..2).for_each(|which| sum[which] += weight * term.enters[which]);
+                    let enters = match share {
+                        Some(share) => {
+                            let [contact, gap] = term.enters;
+                            term.toward.map(|toward| toward * (gap + share * (contact - gap)))
+                        }
+                        None => term.enters,
+                    };
+                    (0..2).for_each(|which| sum[which] += weight * enters[which]);
                 }
             }
         }

@@ -39,6 +39,15 @@ fn awkward() -> Model<f64> {
     model(&loaded, |map| ContactMap { center_mm: [2.0, -3.0], radius_mm: 5.0, uniform: 0.4, ..map })
 }
 
+/// Tissue given by coefficients, partly in contact.
+fn half_space() -> Model<f64> {
+    let mut loaded = crate::scene::preset("contact-disc").unwrap();
+    let tissue = &mut loaded.scene.touch.contact.as_mut().unwrap().tissue;
+    tissue.diffuse_reflectance = None;
+    (tissue.reduced_scattering_per_mm, tissue.absorption_per_mm) = (Some(1.0), Some(0.1));
+    model(&loaded, |map| ContactMap { uniform: 0.4, ..map })
+}
+
 /// A thin guide: light that reaches the tissue has met it before.
 fn thin() -> Model<f64> {
     let mut loaded = crate::scene::preset("contact-disc").unwrap();
@@ -95,7 +104,7 @@ fn worst(model: &Model<f64>, unfolding: &Model<f64>) -> f64 {
 #[test]
 fn unfolding_finds_the_light_of_the_photons_that_it_replaces() {
     let plain = model(&crate::scene::preset("contact-disc").unwrap(), |map| map);
-    for model in [plain, awkward(), thin()] {
+    for model in [plain, awkward(), thin(), half_space()] {
         assert!(model.unfolded >= 4, "{}", model.unfolded);
         // One of 16 passes twice its interval with a chance of 1e-2.
         assert!(worst(&model, &model) < 2.0, "{}", worst(&model, &model));

@@ -18,6 +18,8 @@ pub const PLACES: usize = 4;
 pub struct Term {
     /// Light per area that would enter through true contact and through the gap, of radiance 1 per area at psi = 0.
     pub enters: [f64; 2],
+    /// What tissue as a half space sends of that towards the map's two directions.
+    pub toward: [f64; 2],
     /// n sin(theta).
     pub s: f64,
     /// How far the path gets from one outer face to the other, mm.
@@ -30,6 +32,7 @@ impl Term {
         let mix = |a: f64, b: f64| a + u * (b - a);
         Self {
             enters: [0, 1].map(|k| mix(self.enters[k], next.enters[k])),
+            toward: [0, 1].map(|k| mix(self.toward[k], next.toward[k])),
             s: mix(self.s, next.s),
             across: mix(self.across, next.across),
         }
@@ -111,7 +114,7 @@ impl<'m> Way<'m> {
     /// concave function of it, so Newton's method needs no bracket.
     fn term(&self, path: &Path<f64>, r: f64, t: &mut f64) -> Term {
         if self.least == f64::INFINITY {
-            return Term { enters: [0.0; 2], s: 0.0, across: 0.0 };
+            return Term { enters: [0.0; 2], toward: [0.0; 2], s: 0.0, across: 0.0 };
         }
         let layers = &self.model.layers;
         let (least, top) = (self.least, self.depths.len() - 1);
@@ -157,7 +160,8 @@ impl<'m> Way<'m> {
         }
         through *= (-optical).exp();
         let tissue = path.boundary(0.0, 0.0, cosine(top));
-        Term { enters: [through * (1.0 - tissue.contact), through * (1.0 - tissue.gap)], s, across }
+        let enters = [through * (1.0 - tissue.contact), through * (1.0 - tissue.gap)];
+        Term { enters, toward: path.toward_map(cosine(top)), s, across }
     }
 
     /// Reflectance of the lowest (0) or of the untouched highest face.
