@@ -15,6 +15,8 @@ use tirtouch::image_io::{Provenance, write_radiance};
 mod bad_input;
 #[path = "cli/converge.rs"]
 mod converge;
+#[path = "cli/environment.rs"]
+mod environment;
 #[path = "cli/estimate.rs"]
 mod estimate;
 #[path = "cli/frames.rs"]

@@ -8,6 +8,7 @@ pub mod cancel;
 mod compare;
 mod converge;
 mod demo;
+mod environment;
 mod error;
 mod estimate;
 mod facts;
@@ -31,7 +32,6 @@ mod shot;
 mod side;
 mod stability;
 mod usage;
-mod vectors;
 
 pub use error::{Failure, Outcome};
 pub use flags::{Backend, Common, Precision, Talk};
@@ -89,7 +89,7 @@ impl Command {
 
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
-    vectors::widen();
+    environment::settle();
     let json = usage::asks_for_json(std::env::args_os());
     let outcome = usage::parse(std::env::args_os()).and_then(|parsed| match parsed {
         usage::Parsed::Text(text) => print(&text).map(|()| Outcome::Done),
