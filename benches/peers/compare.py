@@ -178,7 +178,7 @@ def compare(case, arguments, work):
     for seed in range(1, arguments.rounds + 1):
         if seed % 2:
             run_mitsuba(theirs, case, loaded, seed, arguments.spp)
-        run_tirtouch(ours, case, seed, arguments, out)
+        run_tirtouch(ours, case, seed, arguments, out / "render")
         if not seed % 2:
             run_mitsuba(theirs, case, loaded, seed, arguments.spp)
     mask = lit(case.scene, (ours.mean() + theirs.mean()) / 2)

@@ -7,6 +7,7 @@ mod table;
 
 use super::flags::Backend;
 use super::job::load_scene;
+use super::output::{RESULT, SCENE, described};
 use super::{Failure, Outcome, Talk, note, print};
 use crate::scene::LoadedScene;
 use crate::trace::gpu::Gpu;
@@ -40,7 +41,7 @@ pub(super) struct Converge {
     /// Folder to write [default: out/NAME-converge].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace the folder if it exists.
+    /// Replace the folder, if this program wrote all that it holds.
     #[arg(long, conflicts_with = "resume")]
     force: bool,
     /// Go on with the rungs that the folder does not have yet.
@@ -98,6 +99,7 @@ impl Converge {
             "version": env!("CARGO_PKG_VERSION"),
         });
         let records = Records::open(&place, &order, self.force, self.resume)?;
+        records.write(SCENE, &loaded.text)?;
         let climb = Climb {
             loaded: &loaded,
             file: &file,
@@ -107,16 +109,16 @@ impl Converge {
             only: self.only,
             quiet: self.talk.quiet,
         };
-        let found = climb.run(&records).map_err(|failure| failure.resumable(&place))?;
+        let found = climb.run(&records)?;
         records.write("converge.csv", &table::csv(&found.rungs)?)?;
         for (file, svg) in pictures::draw(&name, &found.rungs)? {
             records.write(&file, &svg)?;
         }
-        let out = place.display().to_string();
-        if self.talk.json {
-            print(&table::json(&name, &found, &out).to_string())?;
-        } else {
-            print(&table::text(&name, &found, &out))?;
+        let result = described(table::json(&name, &found), Some(&place));
+        records.write(RESULT, &format!("{result:#}\n"))?;
+        match self.talk.json {
+            true => print(&result.to_string())?,
+            false => print(&table::text(&name, &found, &place.display().to_string()))?,
         }
         Ok(Outcome::Done)
     }

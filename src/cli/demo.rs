@@ -29,8 +29,7 @@ impl Demo {
             common.spp.get_or_insert(SPP);
         }
         let place = common.out.clone().unwrap_or_else(|| PathBuf::from("out/demo"));
-        let own = common.out.is_none() && holds_a_report(&place);
-        let folder = OutputFolder::create(&place, common.force || own)?;
+        let folder = OutputFolder::create(&place, common.force || common.out.is_none())?;
         let job = Order::read(Path::new(SCENE), &common)?.prepare()?;
         let reading = Reading { threshold: 5.0, reference: None, subtract_baseline: true, calibration: None };
         let out = whole_job(&job, &reading, &common, Loads::Last, folder)?;
@@ -39,9 +38,4 @@ impl Demo {
         }
         Ok(Outcome::Done)
     }
-}
-
-/// Whether a folder is a result of `run` or `demo`, which a new one may replace.
-fn holds_a_report(place: &Path) -> bool {
-    ["report.html", "radiance.exr", "camera.png"].iter().all(|name| place.join(name).is_file())
 }

@@ -67,20 +67,12 @@ impl Failure {
     /// Stopped on request (exit code 3).
     #[must_use]
     pub fn cancelled() -> Self {
-        Self::new(Kind::Cancelled, "stopped on request; nothing was written")
+        Self::stopped(super::cancel::line())
     }
 
-    /// Stopped on request by a command that can go on from what it wrote to `place`; other failures as they are.
-    #[must_use]
-    pub fn resumable(self, place: &Path) -> Self {
-        match self.kind {
-            Kind::Cancelled => {
-                let message =
-                    format!("stopped on request; what was done is in {}: go on with --resume", place.display());
-                Self::new(Kind::Cancelled, message)
-            }
-            _ => self,
-        }
+    /// The same in given words.
+    pub(super) fn stopped(line: String) -> Self {
+        Self::new(Kind::Cancelled, line)
     }
 
     /// The file it is about.
@@ -146,7 +138,7 @@ impl Failure {
         super::note(&self.message);
         if json {
             // Standard error has said it already, so a closed standard output hides nothing.
-            let _ = super::print(&self.json().to_string());
+            let _ = super::write_line(&self.json().to_string());
         }
         ExitCode::from(self.code())
     }

@@ -23,7 +23,7 @@ pub struct Common {
     /// Folder to write, in whole or not at all [default: out/NAME].
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace the folder if it exists.
+    /// Replace the folder, if this program wrote all that it holds.
     #[arg(long)]
     pub force: bool,
     /// Seed of all random numbers [default: the scene's].

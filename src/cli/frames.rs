@@ -34,7 +34,7 @@ pub(super) struct FramesCommand {
     /// Folder to write, in whole or not at all [default: out/NAME].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace the folder if it exists.
+    /// Replace the folder, if this program wrote all that it holds.
     #[arg(long)]
     force: bool,
     #[command(flatten)]
@@ -66,10 +66,10 @@ impl FramesCommand {
         }
         let pictures = Pictures::draw(&reading)?;
         reading.write(&folder, &pictures)?;
-        let out = folder.commit()?.display().to_string();
+        let done = folder.commit(reading.source.scene_text.as_deref(), reading.json())?;
         match self.talk.json {
-            true => print(&reading.json(&out).to_string())?,
-            false => print(&reading.text(&out))?,
+            true => print(&done.json)?,
+            false => print(&reading.text(&done.out))?,
         }
         Ok(Outcome::Done)
     }
@@ -122,7 +122,7 @@ impl Reading {
         folder.write("report.html", &page::report(self, pictures).to_html())
     }
 
-    fn json(&self, out: &str) -> Value {
+    fn json(&self) -> Value {
         let source = &self.source;
         let positions: Vec<f64> = source.frames.as_slice().iter().map(|frame| frame.position_mm).collect();
         json!({
@@ -134,12 +134,12 @@ impl Reading {
             "window_mm": self.window_mm,
             "shown_mm": self.frame().position_mm,
             "features": self.features,
+            "truth": source.truth.json(),
             "mechanics": match &source.computed {
                 Some(computed) => computed.json(),
                 None => json!({"undefined": "the frames are measured"}),
             },
             "notes": self.notes(),
-            "out": out,
         })
     }
 

@@ -31,6 +31,7 @@ mod schema;
 mod shot;
 mod side;
 mod stability;
+mod truth;
 mod usage;
 
 pub use error::{Failure, Outcome};
@@ -94,22 +95,31 @@ pub fn main() -> ExitCode {
     let outcome = usage::parse(std::env::args_os()).and_then(|parsed| match parsed {
         usage::Parsed::Text(text) => print(&text).map(|()| Outcome::Done),
         usage::Parsed::CommandLine(line) => {
-            cancel::install()?;
+            cancel::install(json)?;
             line.command.run()
         }
     });
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
-        Err(failure) => failure.report(json),
+        Err(failure) => {
+            cancel::last_word();
+            failure.report(json)
+        }
     }
 }
 
-/// Writes `text` and a line's end to standard output. A reader that has gone away is no failure.
+/// Writes `text` and a line's end to standard output, unless the user has asked to stop. A reader that has gone away is no
+/// failure.
 ///
 /// # Errors
-/// When standard output cannot be written.
+/// When standard output cannot be written, or on that request.
 pub fn print(text: &str) -> Result<(), Failure> {
+    cancel::check()?;
+    write_line(text)
+}
+
+fn write_line(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     match writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {

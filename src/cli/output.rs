@@ -1,89 +1,58 @@
 //! An output folder that is there in whole or not at all.
 
+mod claim;
+mod contents;
+
+pub(super) use claim::Claim;
+pub(super) use contents::{RESULT, SCENE, check_own, command_line, command_of_light, described};
+
 use super::{Failure, cancel};
+use serde_json::Value;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use tempfile::TempDir;
 
-/// A folder in the making: a temporary sibling of its destination, renamed by [`OutputFolder::commit`] and removed when
+/// A folder in the making: a hidden sibling of its destination, renamed by [`OutputFolder::commit`] and removed when
 /// dropped before.
 #[derive(Debug)]
 pub struct OutputFolder {
     destination: PathBuf,
-    staging: TempDir,
+    claim: Claim,
     force: bool,
-    /// Dropped after `staging`, which lies in them.
-    _parents: NewParents,
 }
 
-/// Folders made for the destination, the innermost first. Those that stay empty are removed.
+/// A folder in its place.
 #[derive(Debug)]
-struct NewParents(Vec<PathBuf>);
-
-impl NewParents {
-    fn make(parent: &Path) -> std::io::Result<Self> {
-        let missing = |folder: &&Path| *folder != Path::new("") && !folder.exists();
-        let made = Self(parent.ancestors().take_while(missing).map(Path::to_path_buf).collect());
-        std::fs::create_dir_all(parent)?;
-        Ok(made)
-    }
-}
-
-impl Drop for NewParents {
-    fn drop(&mut self) {
-        for folder in &self.0 {
-            // Refused where it holds anything.
-            let _ = std::fs::remove_dir(folder);
-        }
-    }
+pub struct Finished {
+    /// Where it is.
+    pub out: String,
+    /// What `--json` prints.
+    pub json: String,
 }
 
 impl OutputFolder {
     /// Begins the folder `destination`. To be called before the work, so that what is wrong with it costs nothing.
     ///
     /// # Errors
-    /// When it exists and `force` is not set, is no folder, holds the working directory, or its parent cannot be written.
+    /// When another run writes it; it exists and `force` is not set, or holds anything that this program did not write;
+    /// or its parent cannot be written.
     pub fn create(destination: &Path, force: bool) -> Result<Self, Failure> {
-        let input = |message: String| Failure::input(message).in_file(destination);
-        let shown = destination.display();
-        let Some(name) = destination.file_name() else {
-            return Err(input(format!("{shown}: not a name for a new folder")));
-        };
+        let claim = Claim::take(destination)?;
         if let Ok(existing) = destination.symlink_metadata() {
-            if !force {
-                return Err(input(format!("{shown}: exists; `--force` replaces it, `--out` names another")));
-            }
-            if !existing.is_dir() {
-                return Err(input(format!("{shown}: is no folder and is not replaced")));
-            }
-            refuse_to_replace_home(destination)?;
+            refuse_to_replace(destination, &existing, force)?;
         }
-        let parent = match destination.parent() {
-            Some(parent) if parent != Path::new("") => parent,
-            _ => Path::new("."),
-        };
-        let unwritable = |error: std::io::Error| {
-            Failure::input(format!("{}: no folder can be made there: {error}", parent.display())).in_file(parent)
-        };
-        let parents = NewParents::make(parent).map_err(unwritable)?;
-        let prefix = format!(".{}.", name.to_string_lossy());
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(&prefix).suffix(".partial");
-        // Readable like any new folder (the umask still applies), not private like a temporary one.
-        #[cfg(unix)]
-        let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o777);
-        #[cfg(unix)]
-        builder.permissions(permissions);
-        let staging = builder.tempdir_in(parent).map_err(unwritable)?;
-        cancel::guard(staging.path());
-        Ok(Self { destination: destination.into(), staging, force, _parents: parents })
+        // With the rights of any new folder: the umask applies.
+        std::fs::create_dir(&claim.partial).map_err(|error| {
+            let message = format!("{}: no folder can be made there: {error}", destination.display());
+            Failure::input(message).in_file(destination)
+        })?;
+        Ok(Self { destination: destination.into(), claim, force })
     }
 
     /// Where to write the file `name` for now.
     #[must_use]
     pub fn path(&self, name: &str) -> PathBuf {
-        self.staging.path().join(name)
+        self.claim.partial.join(name)
     }
 
     /// Writes a text file into it, down to the disk.
@@ -111,65 +80,74 @@ impl OutputFolder {
         })
     }
 
-    /// Puts the folder in its place and says where that is.
+    /// Adds the scene's text, if there is one, and the result, puts the folder in its place and says where that is.
     ///
     /// # Errors
     /// When the user has asked to stop, the place was taken meanwhile, or it cannot be renamed. An old folder stays then.
-    pub fn commit(mut self) -> Result<PathBuf, Failure> {
+    pub fn commit(self, scene: Option<&str>, result: Value) -> Result<Finished, Failure> {
+        let result = described(result, Some(&self.destination));
+        if let Some(text) = scene {
+            self.write(SCENE, text)?;
+        }
+        self.write(RESULT, &format!("{result:#}\n"))?;
+        let (name, sums) = contents::sums(&self.claim.partial).map_err(|error| self.misplaced(error))?;
+        self.write(name, &sums)?;
         cancel::check()?;
-        let failed = |error: std::io::Error| {
-            let place = self.destination.display();
-            Failure::failed(format!("{place}: cannot be put in place: {error}")).in_file(&self.destination)
-        };
-        let aside = self.staging.path().with_extension("replaced");
-        let exists = self.destination.symlink_metadata().is_ok();
-        if exists && !self.force {
-            let taken = std::io::Error::from(std::io::ErrorKind::AlreadyExists);
-            return Err(failed(taken));
-        }
-        if exists {
-            std::fs::rename(&self.destination, &aside).map_err(failed)?;
-        }
-        if let Err(error) = std::fs::rename(self.staging.path(), &self.destination) {
-            let restored = if exists { std::fs::rename(&aside, &self.destination) } else { Ok(()) };
-            return Err(match restored {
-                Ok(()) => failed(error),
-                Err(_) => Failure::failed(format!(
-                    "{}: could not be replaced; the old folder is {}",
-                    self.destination.display(),
-                    aside.display()
-                )),
-            });
-        }
-        self.staging.disable_cleanup(true);
-        if exists {
-            // The new folder is in place; what cannot be removed of the old one lies beside it.
-            let _ = std::fs::remove_dir_all(&aside);
-        }
-        Ok(self.destination.clone())
+        let mut ending = cancel::ending();
+        self.put_in_place()?;
+        let out = self.destination.display().to_string();
+        ending.keep(format!("{out} is written"));
+        drop(ending);
+        // The new folder is in place; what cannot be removed of the old one is swept away by the next run.
+        let _ = std::fs::remove_dir_all(&self.claim.replaced);
+        Ok(Finished { out, json: result.to_string() })
     }
-}
 
-impl Drop for OutputFolder {
-    fn drop(&mut self) {
-        cancel::release(self.staging.path());
+    fn misplaced(&self, error: std::io::Error) -> Failure {
+        let place = self.destination.display();
+        Failure::failed(format!("{place}: cannot be put in place: {error}")).in_file(&self.destination)
+    }
+
+    fn put_in_place(&self) -> Result<(), Failure> {
+        let (partial, aside, place) = (&self.claim.partial, &self.claim.replaced, &self.destination);
+        let exists = place.symlink_metadata().is_ok();
+        if exists && !self.force {
+            return Err(self.misplaced(std::io::ErrorKind::AlreadyExists.into()));
+        }
+        if exists {
+            // What was put into it while this ran counts too.
+            check_own(place).map_err(|changed| self.misplaced(std::io::Error::other(changed.message().to_owned())))?;
+            std::fs::rename(place, aside).map_err(|error| self.misplaced(error))?;
+        }
+        std::fs::rename(partial, place).map_err(|error| match exists.then(|| std::fs::rename(aside, place)) {
+            None | Some(Ok(())) => self.misplaced(error),
+            Some(Err(_)) => Failure::failed(format!(
+                "{}: could not be replaced; the old folder is {}",
+                place.display(),
+                aside.display()
+            )),
+        })
     }
 }
 
 /// `--force` on the wrong name must not cost more than a folder of results.
-fn refuse_to_replace_home(destination: &Path) -> Result<(), Failure> {
-    let Ok(place) = destination.canonicalize() else {
-        return Ok(());
+fn refuse_to_replace(destination: &Path, existing: &std::fs::Metadata, force: bool) -> Result<(), Failure> {
+    let shown = destination.display();
+    let input = |message: String| Failure::input(message).in_file(destination);
+    if !existing.is_dir() {
+        return Err(input(format!("{shown}: exists and is no folder; it is not replaced: `--out` names another")));
+    }
+    let holds = |folder: PathBuf| {
+        let (folder, place) = (folder.canonicalize().ok()?, destination.canonicalize().ok()?);
+        Some(folder.starts_with(place))
     };
-    let home = std::env::var_os("HOME").map(PathBuf::from);
-    let mut kept = std::env::current_dir().ok().into_iter().chain(home).filter_map(|folder| folder.canonicalize().ok());
-    match kept.any(|folder| folder.starts_with(&place)) {
-        true => Err(Failure::input(format!(
-            "{}: holds the working or home directory and is not replaced",
-            destination.display()
-        ))
-        .in_file(destination)),
-        false => Ok(()),
+    if std::env::current_dir().ok().and_then(holds) == Some(true) {
+        return Err(input(format!("{shown}: holds the working directory and is not replaced")));
+    }
+    check_own(destination)?;
+    match force {
+        true => Ok(()),
+        false => Err(input(format!("{shown}: exists; `--force` replaces it, `--out` names another"))),
     }
 }
 
@@ -186,23 +164,39 @@ mod tests {
         names
     }
 
+    /// What every committed folder holds beside the files of its command.
+    const OWN: [&str; 2] = ["SHA256SUMS", "result.json"];
+
+    /// Writes a folder with one file.
+    fn result(destination: &Path, name: &str) {
+        let folder = OutputFolder::create(destination, true).unwrap();
+        folder.write(name, name).unwrap();
+        folder.commit(None, Value::Null).unwrap();
+    }
+
     #[test]
-    fn a_committed_folder_is_whole_and_alone() {
+    fn a_committed_folder_is_whole_and_alone_and_says_what_it_is() {
         let place = tempfile::tempdir().unwrap();
         let destination = place.path().join("deep/er/result");
         let folder = OutputFolder::create(&destination, false).unwrap();
-        fs::write(folder.path("a.txt"), "a").unwrap();
+        folder.write("a.txt", "a").unwrap();
         assert!(!destination.exists());
-        assert_eq!(folder.commit().unwrap(), destination);
-        assert_eq!(names(&destination), ["a.txt"]);
+        let done = folder.commit(Some("name = 1\r\n"), Value::Null).unwrap();
+        assert_eq!(done.out, destination.display().to_string());
+        assert_eq!(names(&destination), [OWN[0], "a.txt", OWN[1], SCENE]);
         assert_eq!(names(destination.parent().unwrap()), ["result"]);
+        assert_eq!(fs::read(destination.join(SCENE)).unwrap(), b"name = 1\r\n");
+        let kept: Value = serde_json::from_slice(&fs::read(destination.join(RESULT)).unwrap()).unwrap();
+        assert_eq!(kept, serde_json::from_str::<Value>(&done.json).unwrap());
+        assert_eq!(kept["out"], done.out);
+        assert!(kept["command"].is_array() && kept["version"].is_string());
     }
 
     #[test]
     fn a_dropped_folder_leaves_nothing() {
         let place = tempfile::tempdir().unwrap();
-        let folder = OutputFolder::create(&place.path().join("result"), false).unwrap();
-        fs::write(folder.path("a.txt"), "a").unwrap();
+        let folder = OutputFolder::create(&place.path().join("new/result"), false).unwrap();
+        folder.write("a.txt", "a").unwrap();
         drop(folder);
         assert!(names(place.path()).is_empty());
     }
@@ -211,17 +205,61 @@ mod tests {
     fn an_existing_folder_is_replaced_by_force_only() {
         let place = tempfile::tempdir().unwrap();
         let destination = place.path().join("result");
-        fs::create_dir(&destination).unwrap();
-        fs::write(destination.join("old.txt"), "old").unwrap();
+        result(&destination, "old.txt");
         let refused = OutputFolder::create(&destination, false).unwrap_err();
         assert_eq!(refused.code(), 2);
         assert!(refused.message().contains("--force"), "{}", refused.message());
         let folder = OutputFolder::create(&destination, true).unwrap();
-        fs::write(folder.path("new.txt"), "new").unwrap();
-        assert_eq!(names(&destination), ["old.txt"], "kept until the new one is whole");
-        folder.commit().unwrap();
-        assert_eq!(names(&destination), ["new.txt"]);
+        folder.write("new.txt", "new").unwrap();
+        assert_eq!(names(&destination), [OWN[0], "old.txt", OWN[1]], "kept until the new one is whole");
+        folder.commit(None, Value::Null).unwrap();
+        assert_eq!(names(&destination), [OWN[0], "new.txt", OWN[1]]);
         assert_eq!(names(place.path()), ["result"]);
+    }
+
+    /// Not even with --force: a folder of the user's, files put into a result, a result that was edited or holds a folder.
+    #[test]
+    fn a_folder_with_anything_that_was_not_written_here_is_never_replaced() {
+        let place = tempfile::tempdir().unwrap();
+        let destination = place.path().join("result");
+        let spoil: [(&str, &dyn Fn()); 4] = [
+            ("thesis.tex", &|| {
+                fs::create_dir(&destination).unwrap();
+                fs::write(destination.join("thesis.tex"), "years").unwrap();
+            }),
+            ("notes.txt", &|| {
+                result(&destination, "a.txt");
+                fs::write(destination.join("notes.txt"), "mine").unwrap();
+            }),
+            ("a.txt", &|| {
+                result(&destination, "a.txt");
+                fs::write(destination.join("a.txt"), "with a remark").unwrap();
+            }),
+            ("deeper", &|| {
+                result(&destination, "a.txt");
+                fs::create_dir(destination.join("deeper")).unwrap();
+            }),
+        ];
+        for (what, make) in spoil {
+            make();
+            let before = names(&destination);
+            let refused = OutputFolder::create(&destination, true).unwrap_err();
+            assert_eq!(refused.code(), 2);
+            assert!(refused.message().contains(what), "{}", refused.message());
+            assert_eq!(names(&destination), before);
+            assert_eq!(names(place.path()), ["result"]);
+            fs::remove_dir_all(&destination).unwrap();
+        }
+        // What was put into it while the work ran counts too; what a viewer of folders left does not.
+        result(&destination, "a.txt");
+        fs::write(destination.join(".DS_Store"), "").unwrap();
+        let folder = OutputFolder::create(&destination, true).unwrap();
+        fs::write(destination.join("notes.txt"), "mine").unwrap();
+        assert_eq!(folder.commit(None, Value::Null).unwrap_err().code(), 3);
+        assert_eq!(fs::read_to_string(destination.join("notes.txt")).unwrap(), "mine");
+        fs::remove_file(destination.join("notes.txt")).unwrap();
+        result(&destination, "b.txt");
+        assert_eq!(names(&destination), [OWN[0], "b.txt", OWN[1]]);
     }
 
     #[test]
@@ -231,7 +269,7 @@ mod tests {
         let folder = OutputFolder::create(&destination, false).unwrap();
         fs::create_dir(&destination).unwrap();
         fs::write(destination.join("theirs.txt"), "theirs").unwrap();
-        assert_eq!(folder.commit().unwrap_err().code(), 3);
+        assert_eq!(folder.commit(None, Value::Null).unwrap_err().code(), 3);
         assert_eq!(names(&destination), ["theirs.txt"]);
         assert_eq!(names(place.path()), ["result"]);
     }

@@ -3,10 +3,12 @@
 use super::facts::{figure, mean_radiance};
 use super::inspect::layers;
 use super::measure::{Figures, Reading};
+use super::output::command_line;
 use super::press_files::PressPictures;
 use super::press_page::press_section;
 use super::regimes::regimes;
 use super::shot::{CameraPictures, Pictures, Shot};
+use super::truth::Truth;
 use crate::estimate::Value;
 use crate::report::{Item, Report, Section, Table};
 
@@ -15,12 +17,13 @@ pub(super) fn report(
     shot: &Shot,
     figures: &Figures,
     reading: &Reading,
+    truth: &Truth,
     pictures: &Pictures,
     seen: &CameraPictures,
     press: Option<&PressPictures>,
 ) -> Report {
     let scene = shot.job.scene();
-    let mut sections = vec![camera(shot, reading, seen), estimates(figures, reading)];
+    let mut sections = vec![camera(shot, reading, seen), estimates(figures, reading, truth)];
     if let (Some((pressed, _)), Some(pictures)) = (shot.job.pressed(), press) {
         sections.push(press_section(pressed, pictures));
     }
@@ -86,7 +89,7 @@ fn camera(shot: &Shot, reading: &Reading, seen: &CameraPictures) -> Section {
     Section { title: "What the camera sees".into(), items }
 }
 
-fn estimates(figures: &Figures, reading: &Reading) -> Section {
+fn estimates(figures: &Figures, reading: &Reading, truth: &Truth) -> Section {
     let image = match reading.reference_name() {
         Some(name) => format!("the frame less {name}"),
         None => "the raw frame".to_owned(),
@@ -101,6 +104,7 @@ fn estimates(figures: &Figures, reading: &Reading) -> Section {
         )),
         Item::from_paper(&figures.paper),
     ];
+    items.extend(truth.table());
     items.extend(figures.paper.warnings.iter().cloned().map(Item::Warning));
     Section { title: "Estimates".into(), items }
 }
@@ -159,5 +163,6 @@ fn provenance(shot: &Shot) -> Vec<(String, String)> {
         pair("seed", shot.seed.to_string()),
         pair("adapter", shot.outcome.adapter.clone()),
         pair("version", env!("CARGO_PKG_VERSION").to_owned()),
+        pair("command", command_line()),
     ]
 }

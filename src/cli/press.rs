@@ -5,6 +5,7 @@ use super::job::load_scene;
 use super::press_files::write_press;
 use super::press_page::press_report;
 use super::pressing::{PressFailure, Wanted, press_json, press_rows, press_scene};
+use super::truth::Truth;
 use super::{Failure, Outcome, OutputFolder, Talk, print};
 use crate::mechanics::press::{PressError, Pressed};
 use crate::scene::LoadedScene;
@@ -22,7 +23,7 @@ pub(super) struct Press {
     /// Output folder; out/NAME if not given.
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace an existing output folder.
+    /// Replace the folder, if this program wrote all that it holds.
     #[arg(long)]
     force: bool,
     /// Press the phantom without its inclusions, on the same mesh.
@@ -63,18 +64,24 @@ impl Press {
     ) -> Result<(), Failure> {
         let name = &loaded.scene.name;
         let lift_mm = loaded.scene.stack.height_mm();
+        let truth = Truth::of(loaded.scene.phantom.as_ref(), &loaded.folder, self.without_inclusions)?;
         let pictures = write_press(name, pressed, lift_mm, &folder)?;
         if let Some(failure) = stopped {
             folder.write("STOPPED.txt", &format!("{}\nThe files hold the loads before that.\n", failure.message()))?;
         }
-        folder.write("report.html", &press_report(loaded, pressed, &pictures, stopped).to_html())?;
-        let out = folder.commit()?.display().to_string();
+        folder.write("report.html", &press_report(loaded, pressed, &truth, &pictures, stopped).to_html())?;
+        let mut result = json!({"scene": name, "truth": truth.json(), "mechanics": press_json(pressed)});
+        if let Some(failure) = stopped {
+            result["error"] = failure.json()["error"].take();
+        }
+        let done = folder.commit(Some(&loaded.text), result)?;
+        let out = done.out;
         if stopped.is_some() {
             super::note(&format!("what was reached is in {out}"));
             return Ok(());
         }
         if self.talk.json {
-            return print(&json!({"scene": name, "mechanics": press_json(pressed), "out": out}).to_string());
+            return print(&done.json);
         }
         let mut rows = press_rows(pressed);
         rows.push(("folder".into(), format!("{out}: contact.csv deformed.vtu pressure.svg report.html")));

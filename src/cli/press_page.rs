@@ -2,9 +2,11 @@
 
 use super::Failure;
 use super::facts::figure;
+use super::output::command_line;
 use super::page::picture;
 use super::press_files::PressPictures;
 use super::pressing::press_rows;
+use super::truth::Truth;
 use crate::mechanics::press::Pressed;
 use crate::report::{Item, Report, Section, Table};
 use crate::scene::LoadedScene;
@@ -13,6 +15,7 @@ use crate::scene::LoadedScene;
 pub(super) fn press_report(
     loaded: &LoadedScene,
     pressed: &Pressed,
+    truth: &Truth,
     pictures: &PressPictures,
     stopped: Option<&Failure>,
 ) -> Report {
@@ -21,6 +24,7 @@ pub(super) fn press_report(
     if let Some(failure) = stopped {
         section.items.insert(0, Item::Warning(format!("The press stopped early: {}.", failure.message())));
     }
+    section.items.extend(truth.table());
     let pair = |name: &str, value: String| (name.to_owned(), value);
     let mut facts =
         vec![pair("unknowns", pressed.unknowns.to_string()), pair("iterations", pressed.iterations.to_string())];
@@ -38,6 +42,7 @@ pub(super) fn press_report(
             pair("scene", scene.name.clone()),
             pair("scene's SHA-256", loaded.sha256.clone()),
             pair("version", env!("CARGO_PKG_VERSION").to_owned()),
+            pair("command", command_line()),
         ],
     }
 }

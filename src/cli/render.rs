@@ -3,9 +3,10 @@
 use super::facts::{columns, facts, ledger};
 use super::job::Order;
 use super::shot::Shot;
+use super::truth::Truth;
 use super::{Common, Failure, Outcome, OutputFolder, print};
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::path::PathBuf;
 
 /// Trace the light of a scene: radiance.exr, camera.png and pictures of them.
@@ -25,12 +26,14 @@ impl Render {
         let job = order.prepare()?;
         let shot = Shot::take(&job, common.talk.quiet)?;
         shot.write(&folder)?;
-        let out = folder.commit()?.display().to_string();
+        let truth = Truth::of(job.scene().phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
+        let mut result = Value::Object(shot.json());
+        result["truth"] = truth.json();
+        let done = folder.commit(Some(&job.loaded.text), result)?;
         if common.talk.json {
-            let mut object = shot.json();
-            object.insert("out".into(), json!(out));
-            print(&Value::Object(object).to_string())?;
+            print(&done.json)?;
         } else {
+            let out = done.out;
             let mut rows = facts(&shot);
             rows.push(("light".into(), ledger(&shot)));
             rows.push(("folder".into(), format!("{out}: camera.png radiance.exr radiance.svg relief.svg side.svg")));

@@ -7,6 +7,7 @@ use super::page::report;
 use super::press_files::write_press;
 use super::pressing::{NO_MECHANICS, press_json, press_rows};
 use super::shot::Shot;
+use super::truth::Truth;
 use super::{Common, Failure, Outcome, OutputFolder, print};
 use crate::estimate::{GreyImage, Value as Estimate};
 use clap::Args;
@@ -70,15 +71,17 @@ pub(super) fn whole_job(
         Some((pressed, _)) => Some(write_press(&job.scene().name, pressed, lift_mm, &folder)?),
         None => None,
     };
-    let page = report(&shot, &figures, reading, &pictures, &seen, press.as_ref());
+    let truth = Truth::of(job.scene().phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
+    let page = report(&shot, &figures, reading, &truth, &pictures, &seen, press.as_ref());
     folder.write("report.html", &page.to_html())?;
-    let out = folder.commit()?;
-    let place = out.display().to_string();
+    let mut result = json(&shot, &figures, reading, &earlier);
+    result["truth"] = truth.json();
+    let done = folder.commit(Some(&job.loaded.text), result)?;
     match common.talk.json {
-        true => print(&json(&shot, &figures, reading, &earlier, &place).to_string())?,
-        false => print(&text(&shot, &figures, reading, &place))?,
+        true => print(&done.json)?,
+        false => print(&text(&shot, &figures, reading, &done.out))?,
     }
-    Ok(out)
+    Ok(PathBuf::from(done.out))
 }
 
 /// The frame of the same press without inclusions, with the next seed; written as baseline.png.
@@ -104,7 +107,7 @@ fn earlier_loads(job: &Job, common: &Common, folder: &OutputFolder) -> Result<Ve
     Ok(frames)
 }
 
-fn json(shot: &Shot, figures: &Figures, reading: &Reading, earlier: &[Value], out: &str) -> Value {
+fn json(shot: &Shot, figures: &Figures, reading: &Reading, earlier: &[Value]) -> Value {
     let mut object = shot.json();
     if let Some(Value::Object(camera)) = object.get_mut("camera") {
         let lit = shot.frame.grey.iter().filter(|&&grey| f64::from(grey) > reading.threshold).count();
@@ -121,7 +124,6 @@ fn json(shot: &Shot, figures: &Figures, reading: &Reading, earlier: &[Value], ou
     };
     object.insert("mechanics".into(), mechanics);
     object.insert("earlier_frames".into(), json!(earlier));
-    object.insert("out".into(), json!(out));
     Value::Object(object)
 }
 

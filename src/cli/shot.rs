@@ -1,6 +1,7 @@
 //! A finished image: the camera's frame of it, its figures, and the files that show it.
 
 use super::job::Job;
+use super::output::command_of_light;
 use super::side::side_picture;
 use super::{Failure, OutputFolder};
 use crate::camera::{Frame, expose};
@@ -115,6 +116,7 @@ impl<'a> Shot<'a> {
             backend: outcome.backend.into(),
             adapter: outcome.adapter.clone(),
             version: env!("CARGO_PKG_VERSION").into(),
+            command: command_of_light(),
             ..Provenance::default()
         }
     }

@@ -4,6 +4,7 @@ mod pictures;
 mod table;
 
 use super::flags::Backend;
+use super::output::described;
 use super::{Failure, Outcome, OutputFolder, Progress, Talk, cancel, note, print};
 use crate::stability::{CHECKS, Context, Row, Tracer, membrane};
 use crate::trace::TraceError;
@@ -23,7 +24,7 @@ pub(super) struct Stability {
     /// Folder to write: stability.csv and pictures [default: none].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace the folder if it exists.
+    /// Replace the folder, if this program wrote all that it holds.
     #[arg(long)]
     force: bool,
     /// What is checked: the CPU twin, and the GPU where there is one (auto), the GPU or fail (gpu), the twin alone (cpu).
@@ -39,27 +40,25 @@ impl Stability {
         let (tracers, adapter) = self.tracers()?;
         let context = Context { tracers, membrane: membrane::deflection, quick: self.quick };
         let rows = self.rows(&context)?;
-        let out = match folder {
+        let failed = rows.iter().filter(|row| !row.passed).count();
+        let result = json!({
+            "passed": failed == 0,
+            "failed": failed,
+            "adapter": adapter,
+            "rows": rows.iter().map(table::json).collect::<Vec<_>>(),
+        });
+        let (out, json) = match folder {
             Some(folder) => {
                 folder.write("stability.csv", &table::csv(&rows)?)?;
                 pictures::write(&context, &folder)?;
-                Some(folder.commit()?.display().to_string())
+                let done = folder.commit(None, result)?;
+                (Some(done.out), done.json)
             }
-            None => None,
+            None => (None, described(result, None).to_string()),
         };
-        let failed = rows.iter().filter(|row| !row.passed).count();
-        if self.talk.json {
-            let rows: Vec<_> = rows.iter().map(table::json).collect();
-            let object = json!({
-                "passed": failed == 0,
-                "failed": failed,
-                "adapter": adapter,
-                "rows": rows,
-                "out": out,
-            });
-            print(&object.to_string())?;
-        } else {
-            print(&table::text(&rows, adapter.as_deref(), out.as_deref()))?;
+        match self.talk.json {
+            true => print(&json)?,
+            false => print(&table::text(&rows, adapter.as_deref(), out.as_deref()))?,
         }
         Ok(if failed == 0 { Outcome::Done } else { Outcome::CheckFailed })
     }

@@ -38,6 +38,8 @@ pub struct Provenance {
     pub adapter: String,
     /// Version of this program.
     pub version: String,
+    /// The command that computed it, without what does not change the light.
+    pub command: String,
     /// How the film's pixels hang together in blocks; written from the film.
     pub inflation: Vec<Inflation>,
 }

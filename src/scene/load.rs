@@ -19,6 +19,8 @@ pub struct Loaded<S> {
     pub scene: S,
     /// Folder of the scene file; files named by the scene are relative to it.
     pub folder: PathBuf,
+    /// The file's text.
+    pub text: String,
     /// SHA-256 of the file's bytes, in hexadecimal.
     pub sha256: String,
 }
@@ -127,6 +129,7 @@ fn parse_as<'t, S: Deserialize<'t>>(
     Ok(Loaded {
         scene,
         folder: origin.parent().map(Path::to_path_buf).unwrap_or_default(),
+        text: text.to_owned(),
         sha256: Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect(),
     })
 }

@@ -50,6 +50,7 @@ fn a_scan_gives_frames_features_and_pictures() {
     let folder = place.path().join("out/scan");
     let mut expected =
         vec!["deformed.vtu", "features.csv", "frames.csv", "frames_without_inclusion.csv", "report.html"];
+    expected.extend(["SHA256SUMS", "result.json", "scene.toml"]);
     expected.extend(PICTURES);
     expected.sort_unstable();
     assert_eq!(names(&folder), expected);

@@ -25,7 +25,7 @@ pub(super) fn series(members: &[&Rung]) -> Vec<String> {
 }
 
 /// What `--json` says.
-pub(super) fn json(name: &str, found: &Found, out: &str) -> Value {
+pub(super) fn json(name: &str, found: &Found) -> Value {
     let rung = |(rung, front): (&Rung, bool)| {
         let mut value = json!(rung);
         value["pareto"] = json!(front);
@@ -51,7 +51,6 @@ pub(super) fn json(name: &str, found: &Found, out: &str) -> Value {
     }
     json!({
         "scene": name,
-        "out": out,
         "reference": {"light": reference(&found.light), "mechanics": reference(&found.mechanics)},
         "rungs": rungs,
         "slopes": slopes,

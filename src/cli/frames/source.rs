@@ -1,6 +1,7 @@
 //! Where frames come from: a scene that is computed, or a measured table.
 
 use super::super::facts::figure;
+use super::super::truth::Truth;
 use super::super::{Failure, Progress, cancel};
 use crate::mechanics::frames::scan::{ScanSettings, ScanSetup, Scanned, scan};
 use crate::mechanics::frames::{Features, Frames, Reference, Settings, features, read_frames};
@@ -26,6 +27,9 @@ pub(super) struct Source {
     pub description: String,
     pub frames: Frames,
     pub computed: Option<Computed>,
+    /// The scene's text; none of measured frames.
+    pub scene_text: Option<String>,
+    pub truth: Truth,
     /// What goes to the end of the report: name and value.
     pub provenance: Vec<(String, String)>,
 }
@@ -98,9 +102,11 @@ impl Input {
             Self::Measured(frames, file) => {
                 let provenance = vec![("measured frames".to_owned(), file.display().to_string()), version];
                 let description = format!("Measured pressure frames of {}.", file.display());
-                return Ok(Source { name, description, frames, computed: None, provenance });
+                let truth = Truth::unknown("the frames are measured");
+                return Ok(Source { name, description, frames, computed: None, scene_text: None, truth, provenance });
             }
         };
+        let truth = Truth::of(Some(&loaded.scene.phantom), &loaded.folder, false)?;
         let progress = Progress::new(quiet);
         let scanned = scan(&setup, ScanSettings { shown_mm, estimate_error: true }, &|stage| {
             progress.observe(stage.done, stage.what);
@@ -111,7 +117,8 @@ impl Input {
         let provenance =
             vec![("scene".to_owned(), name.clone()), ("scene's SHA-256".to_owned(), loaded.sha256), version];
         let (description, frames) = (loaded.scene.description, scanned.frames.clone());
-        Ok(Source { name, description, frames, computed: Some(Computed { setup, scanned, has_middle }), provenance })
+        let (computed, scene_text) = (Some(Computed { setup, scanned, has_middle }), Some(loaded.text));
+        Ok(Source { name, description, frames, computed, scene_text, truth, provenance })
     }
 }
 
