@@ -1,17 +1,21 @@
 // Camera paths: one thread a pixel, `run.samples` paths each; the sum goes to the film.
 // PATH: until the path meets an LED. COMPLEMENT: what `splat` leaves out, paths whose first tissue is not reached straight.
 // MAPPED: at tissue the exitance map is read in place of following the path into it.
+// What the image lacks, paths that get lost and weight that the cap cuts off, is counted in `fates`.
 
 override MAPPED: bool = false;
 override COMPLEMENT: bool = false;
 override FILM_SCALE: f32 = 65536.0;
 
 @group(0) @binding(6) var<storage, read_write> film: array<u32>;
+@group(0) @binding(12) var<storage, read_write> fates: array<atomic<u32>>;   // paths lost; weight cut off, two words
 
 fn book(slot: u32, amount: i32) {}
 fn book_segment() { segments += 1u; }
 fn units(w: f32) -> i32 { return 0; }
 var<private> segments: u32;
+var<private> lost_paths: u32;
+var<private> cut_off: u32;
 
 fn start_camera_path(pixel: u32) {
     let size = scene.image_size;
@@ -48,6 +52,11 @@ fn enter() -> bool {
     return true;
 }
 
+fn close(end: u32) {
+    lost_paths += select(0u, 1u, end == END_LOST || end == GOES_ON);   // on its way yet: a driver ended the loop
+    cut_off += select(0u, u32(round(path.weight * UNIT)), end == END_CAP);
+}
+
 fn camera_path(pixel: u32) -> f32 {
     start_camera_path(pixel);
     if (any(abs(path.o.xy) >= scene.half_size)) { return 0.0; }
@@ -64,6 +73,7 @@ fn camera_path(pixel: u32) -> f32 {
         break;
     }
     record_end(end);
+    close(end);
     return light + path.weight * light_at_end(end);
 }
 
@@ -73,6 +83,8 @@ fn camera(@builtin(global_invocation_id) id: vec3u) {
     let pixel = run.first + id.x;
     var sum = Fixed(film[4u * pixel], film[4u * pixel + 1u]);
     segments = 0u;
+    lost_paths = 0u;
+    cut_off = 0u;
     var finished = 0u;
     for (var s = 0u; s < run.samples; s += 1u) {
         start_random(pixel, run.first_sample + s);
@@ -84,4 +96,8 @@ fn camera(@builtin(global_invocation_id) id: vec3u) {
     film[4u * pixel + 1u] = sum.high;
     film[4u * pixel + 2u] += segments;
     film[4u * pixel + 3u] += finished;
+    if ((lost_paths | cut_off) == 0u) { return; }
+    atomicAdd(&fates[0], lost_paths);
+    let old = atomicAdd(&fates[1], cut_off);
+    atomicAdd(&fates[2], select(0u, 1u, old + cut_off < old));
 }

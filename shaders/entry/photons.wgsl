@@ -6,7 +6,6 @@ override SPLATTED: bool = false;
 
 @group(0) @binding(12) var<storage, read_write> ledger: array<atomic<u32>>;
 
-const UNIT: f32 = 1048576.0;   // ledger units of one photon
 var<private> tally: array<i32, 10>;
 
 fn units(w: f32) -> i32 { return i32(round(w * UNIT)); }

@@ -67,11 +67,13 @@ override ROUGH: bool = false;
 override TOUCHED: bool = false;
 override LENS: bool = false;
 override SPREADING: bool = false;
-override ROULETTE_START: u32 = 256u;
-override EVENT_CAP: u32 = 65536u;
+override ROULETTE_START: u32;
+override EVENT_CAP: u32;
+override SEARCH_STEPS: u32;
 
 const FAR: f32 = 1e30;
 const TAU: f32 = 6.283185307179586;
+const UNIT: f32 = 1048576.0;   // ledger units of one photon, or of a camera path's first weight
 
 // How a walk ends.
 const END_WALL: u32 = 1u;      // at a black wall, or at a mirror where an LED may sit

@@ -13,7 +13,7 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
     var t = select(0.0, (near - zeta) / p.z, outside);
     if (outside && p.z * side <= 0.0) { return FAR; }
     let k = max(face_curvature(i) * dot(p.xy, p.xy), 1e-12);
-    for (var n = 0u; n < 1024u; n += 1u) {
+    for (var n = 0u; n < SEARCH_STEPS; n += 1u) {
         if (t >= t_max) { return FAR; }
         let h = field_at(i, o.xy + t * p.xy);
         let g = max(side * (h.x - (zeta + t * p.z)), 0.0);

@@ -188,7 +188,7 @@ impl From<TraceError> for Failure {
             | TraceError::Memory { .. }
             | TraceError::Driver(_)
             | TraceError::Lost { .. }
-            | TraceError::Truncated(_)
+            | TraceError::Truncated { .. }
             | TraceError::CutShort { .. } => Self::failed(error.to_string()),
         }
     }

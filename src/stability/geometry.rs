@@ -165,7 +165,7 @@ pub fn truncated_light(_: &Context) -> Result<Vec<Row>, StabilityError> {
     let mut loaded = preset("flat-bonded")?;
     loaded.scene.stack.walls = Walls::Mirror { reflectance: 1.0 };
     let model = super::scenes::model(&loaded)?.cast::<f32>();
-    let mut path = Path::new(&model, Limits { roulette_start: u32::MAX, event_cap: 8 });
+    let mut path = Path::new(&model, Limits { event_cap: 8, ..Limits::ENDLESS });
     (0..1024).for_each(|k| path.photon(1, k, 0));
     let sent = path.tally[book::EMITTED] as f64;
     let fates =
@@ -173,7 +173,7 @@ pub fn truncated_light(_: &Context) -> Result<Vec<Row>, StabilityError> {
     let found: i64 = fates.iter().map(|&fate| path.tally[fate]).sum();
     let cut = path.tally[book::TERMINATED] as f64 / sent;
     let totals = Totals { photons: 1024, tally: path.tally, ..Totals::default() };
-    let refused = accepted(&totals).is_err_and(|e| matches!(e, TraceError::Truncated(share) if share == cut));
+    let refused = accepted(&totals).is_err_and(|e| matches!(e, TraceError::Truncated { share, .. } if share == cut));
     let subject = Subject::new(Part::Light, "light cut off after 8 interactions", "cpu f32");
     let mut flat = preset("flat-bonded")?.scene;
     layers(&mut flat, &[[2.0, 1.41], [0.0, 1.40], [5.0, 1.39]]);

@@ -131,7 +131,7 @@ pub fn follow_exactly(model: &Model<f64>, starts: &[Start]) -> Vec<Finish> {
 fn follow<T: Real>(model: &Model<T>, starts: &[Start], between: fn(&mut Path<T>)) -> Vec<Finish> {
     let vector = |a: [f32; 3]| v3(T::of(a[0].into()), T::of(a[1].into()), T::of(a[2].into()));
     let one = |(row, start): (usize, &Start)| {
-        let mut path = Path::new(model, Limits { roulette_start: u32::MAX, event_cap: u32::MAX });
+        let mut path = Path::new(model, Limits::ENDLESS);
         path.start_random(SEED, row as u32, 0);
         (path.o, path.p, path.layer) = (vector(start.o), vector(start.p), start.layer);
         let along = path.p.x.hypot(path.p.y);
@@ -171,13 +171,8 @@ fn probe(edit: fn(String) -> String, model: &Model<f64>, rows: &[[f32; 8]]) -> R
     let mut model = model.clone();
     let pairs = rows.iter().flat_map(|row| row.chunks_exact(2));
     model.led_tables = pairs.map(|pair| [f64::from(pair[0]), f64::from(pair[1])]).collect();
-    let edit = Box::new(move |_: Entry, text: String| {
-        let text = text.replace(PHOTONS, PROBE);
-        // The walks are lossless: neither roulette nor the cap may end them.
-        let text = text.replace("ROULETTE_START: u32 = 256u", "ROULETTE_START: u32 = 0xffffffffu");
-        edit(text.replace("EVENT_CAP: u32 = 65536u", "EVENT_CAP: u32 = 0xffffffffu"))
-    });
-    let mut tracer = GpuTracer::with_source(Gpu::open()?, &model, edit)?;
+    let edit = Box::new(move |_: Entry, text: String| edit(text.replace(PHOTONS, PROBE)));
+    let mut tracer = GpuTracer::with_source(Gpu::open()?, &model, edit)?.with_limits(Limits::ENDLESS);
     let count = rows.len() as u32;
     tracer.record_events(count)?;
     tracer.photons(PhotonMode::Ledger, SEED, count, [0, 1])?;

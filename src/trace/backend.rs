@@ -1,6 +1,6 @@
 //! The two backends behind one face: chunks of camera paths and of photons.
 
-use super::cpu::{self, book, camera::View, photons::Deposits};
+use super::cpu::{self, Limits, book, camera::View, photons::Deposits};
 use super::gpu::GpuTracer;
 use super::gpu::assemble::Entry;
 use super::model::{Model, Real};
@@ -33,16 +33,23 @@ pub enum TraceError {
     #[error("the GPU driver refused a command: {0}")]
     Driver(String),
     /// Paths got lost: an error of geometry or of the program.
-    #[error("{lost} of {sent} photons were lost in the geometry; the image cannot be trusted")]
+    #[error("{lost} of {sent} {what} were lost in the geometry; the image cannot be trusted")]
     Lost {
-        /// Lost photons.
+        /// Photons or camera paths.
+        what: &'static str,
+        /// Lost ones.
         lost: u64,
-        /// All photons.
+        /// All of them.
         sent: u64,
     },
     /// Too much light was cut off.
-    #[error("{0:.1e} of the light was cut off by the cap on interactions; the image cannot be trusted")]
-    Truncated(f64),
+    #[error("{share:.1e} of the {what} was cut off by the cap on interactions; the image cannot be trusted")]
+    Truncated {
+        /// The light, or the weight of the camera paths.
+        what: &'static str,
+        /// Share of it.
+        share: f64,
+    },
     /// The driver ended loops before their time.
     #[error("the GPU driver ended loops early: {finished} of {sent} paths were traced; use --backend cpu")]
     CutShort {
@@ -101,6 +108,36 @@ pub enum PhotonMode {
     Map,
     /// The splat film.
     Splat,
+}
+
+/// What became of camera paths beside their light.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Fates {
+    /// Segments traced.
+    pub segments: u64,
+    /// Lost paths.
+    pub lost: u64,
+    /// Weight that the cap on interactions cut off, in units of 1 / [`cpu::UNIT`] path.
+    pub cut_off: u64,
+}
+
+impl Fates {
+    /// Of the bookings of some paths.
+    pub fn of(tally: &[i64; book::SLOTS]) -> Self {
+        let [segments, lost, cut_off] =
+            [book::SEGMENTS, book::LOST, book::TERMINATED].map(|slot| tally[slot].max(0) as u64);
+        Self { segments, lost, cut_off }
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            segments: self.segments + other.segments,
+            lost: self.lost + other.lost,
+            cut_off: self.cut_off + other.cut_off,
+        }
+    }
 }
 
 /// A backend with a scene loaded.
@@ -214,12 +251,12 @@ impl Backend {
         Ok(())
     }
 
-    /// Sums of the film in units of 2^-48, and the segments traced since it was emptied.
-    pub fn read_film(&mut self) -> Result<(Vec<u64>, u64), TraceError> {
+    /// Sums of the film in units of 2^-48, and what became of the paths since it was emptied.
+    pub fn read_film(&mut self) -> Result<(Vec<u64>, Fates), TraceError> {
         Ok(match self {
             Self::Gpu { camera, .. } => camera.read_film()?,
-            Self::Cpu32(cpu) => (cpu.film.clone(), cpu.segments),
-            Self::Cpu64(cpu) => (cpu.film.clone(), cpu.segments),
+            Self::Cpu32(cpu) => (cpu.film.clone(), cpu.fates),
+            Self::Cpu64(cpu) => (cpu.film.clone(), cpu.fates),
         })
     }
 
@@ -268,8 +305,9 @@ impl Backend {
 /// The twin with a scene loaded.
 pub struct CpuTracer<T> {
     model: Model<T>,
+    limits: Limits,
     film: Vec<u64>,
-    segments: u64,
+    fates: Fates,
     exitance: Vec<[T; 4]>,
     deposits: Vec<AtomicU64>,
     tally: [i64; book::SLOTS],
@@ -281,7 +319,8 @@ impl<T: Real> CpuTracer<T> {
         let [columns, rows] = model.camera.size;
         Self {
             film: vec![0; columns as usize * rows as usize],
-            segments: 0,
+            limits: Limits::default(),
+            fates: Fates::default(),
             exitance: Vec::new(),
             deposits: Vec::new(),
             tally: [0; book::SLOTS],
@@ -289,9 +328,15 @@ impl<T: Real> CpuTracer<T> {
         }
     }
 
+    /// The same with other limits of a walk.
+    #[must_use]
+    pub fn with_limits(self, limits: Limits) -> Self {
+        Self { limits, ..self }
+    }
+
     fn clear_film(&mut self) {
         self.film.fill(0);
-        self.segments = 0;
+        self.fates = Fates::default();
     }
 
     fn camera(&mut self, mode: CameraMode, seed: u32, [first, count]: [u32; 2], [first_sample, samples]: [u32; 2]) {
@@ -301,7 +346,8 @@ impl<T: Real> CpuTracer<T> {
         };
         let first = first as usize;
         let film = &mut self.film[first..first + count as usize];
-        self.segments += cpu::camera::add(&self.model, view, seed, [first_sample, samples], first, film);
+        let fates = cpu::camera::add(&self.model, view, seed, [first_sample, samples], first, self.limits, film);
+        self.fates = self.fates.and(fates);
     }
 
     fn set_exitance(&mut self, texels: &[[f64; 4]]) {
@@ -316,7 +362,7 @@ impl<T: Real> CpuTracer<T> {
     fn photons(&mut self, mode: PhotonMode, seed: u32, threads: u32, samples: [u32; 2]) {
         let deposits = Deposits { cells: &self.deposits, splatted: mode == PhotonMode::Splat };
         let deposits = (mode != PhotonMode::Ledger).then_some(&deposits);
-        let tally = cpu::photons::send(&self.model, deposits, seed, threads, samples);
+        let tally = cpu::photons::send(&self.model, deposits, seed, threads, samples, self.limits);
         self.tally.iter_mut().zip(tally).for_each(|(sum, v)| *sum += v);
     }
 

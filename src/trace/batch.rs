@@ -1,6 +1,6 @@
 //! Replicates: independent estimates of the whole image, traced in chunks of well under a second.
 
-use super::backend::{Backend, CameraMode, PhotonMode, TraceError};
+use super::backend::{Backend, CameraMode, Fates, PhotonMode, TraceError};
 use super::cpu::{UNIT, book, camera::FILM_UNIT, photons::DEPOSIT_UNIT, random::pcg3d};
 use super::exitance::{ContactLight, Smoothing, TouchedFace};
 use super::kernel::Kernel;
@@ -41,7 +41,9 @@ pub struct Totals {
     pub photons: u64,
     /// Segments of both.
     pub segments: u64,
-    /// Ledger, in its units.
+    /// What became of the camera paths.
+    pub fates: Fates,
+    /// Ledger of the photons, in its units.
     pub tally: [i64; book::SLOTS],
     /// Where the time went.
     pub times: Times,
@@ -97,6 +99,11 @@ impl Totals {
     /// Lost photons.
     pub fn lost(&self) -> u64 {
         self.tally[book::LOST].max(0) as u64
+    }
+
+    /// Share of the camera paths' weight that the cap on interactions cut off.
+    pub fn paths_cut_off(&self) -> f64 {
+        self.fates.cut_off as f64 / UNIT / self.paths.max(1) as f64
     }
 }
 
@@ -233,9 +240,10 @@ impl Batch<'_> {
                 return Err(TraceError::Stopped);
             }
         }
-        let (sums, segments) = self.backend.read_film()?;
+        let (sums, fates) = self.backend.read_film()?;
         self.totals.paths += u64::from(pixels) * u64::from(spp);
-        self.totals.segments += segments;
+        self.totals.segments += fates.segments;
+        self.totals.fates = self.totals.fates.and(fates);
         self.totals.times.camera += begun.elapsed().as_secs_f64();
         let unit = self.model.unit_radiance * self.model.surround_n * self.model.surround_n;
         let each = unit / f64::from(spp) / FILM_UNIT;

@@ -33,9 +33,9 @@ const SAFETY: f64 = 1.15;
 const MOST_SCALE: f64 = 8.0;
 /// Share of the photons in the time of a replicate, for the progress alone.
 const PHOTON_SHARE: f64 = 0.5;
-/// Largest share of photons that may get lost; a single one of few tells nothing about the share.
+/// Largest share of photons, and of camera paths, that may get lost; a single one of few tells nothing about the share.
 const LOST_TOLERANCE: f64 = 1e-6;
-/// Largest share of the light that may be cut off by the cap on interactions.
+/// Largest share of the light, and of the camera paths' weight, that may be cut off by the cap on interactions.
 const TERMINATED_TOLERANCE: f64 = 1e-4;
 
 /// How to render.
@@ -285,12 +285,18 @@ fn once(
 
 /// The ledger, unless too much light is missing from the image: lost, or cut off by the cap on interactions.
 pub fn accepted(totals: &Totals) -> Result<Ledger, TraceError> {
-    if totals.lost() as f64 > (LOST_TOLERANCE * totals.photons as f64).max(1.0) {
-        return Err(TraceError::Lost { lost: totals.lost(), sent: totals.photons });
+    let counts = [("photons", totals.lost(), totals.photons), ("camera paths", totals.fates.lost, totals.paths)];
+    for (what, lost, sent) in counts {
+        if lost as f64 > (LOST_TOLERANCE * sent as f64).max(1.0) {
+            return Err(TraceError::Lost { what, lost, sent });
+        }
     }
     let ledger = totals.ledger();
-    if ledger.terminated > TERMINATED_TOLERANCE {
-        return Err(TraceError::Truncated(ledger.terminated));
+    let shares = [("light", ledger.terminated), ("camera paths' weight", totals.paths_cut_off())];
+    for (what, share) in shares {
+        if share > TERMINATED_TOLERANCE {
+            return Err(TraceError::Truncated { what, share });
+        }
     }
     Ok(ledger)
 }

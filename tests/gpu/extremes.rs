@@ -110,8 +110,7 @@ fn ten_thousand_lossless_bounces_keep_the_weight_and_the_invariant() {
     let field =
         cavity(|s| s.touch.shape = Shape::GaussianDent { depth_mm: 1e-9, sigma_mm: 2.0, center_mm: [0.0, 0.0] });
     for model in [flat, field] {
-        let limits = Limits { roulette_start: u32::MAX, event_cap: u32::MAX };
-        let mut path = Path::new(&model, limits);
+        let mut path = Path::new(&model, Limits::ENDLESS);
         path.start_random(9, 9, 0);
         path.layer = 2;
         path.o = v3(0.3, -0.7, 4.0);

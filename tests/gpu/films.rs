@@ -32,7 +32,7 @@ pub fn film(mut backend: Backend, model: &Model<f64>, method: Method, seed: u32,
         let replicate = batch.replicate(index, work, &mut |_, _| true).unwrap();
         sum.add(&replicate).unwrap();
     }
-    assert_eq!(batch.totals.lost(), 0);
+    assert_eq!((batch.totals.lost(), batch.totals.fates.lost), (0, 0));
     sum.finish()
 }
 

@@ -13,6 +13,7 @@
 mod adapter;
 mod device;
 mod extremes;
+mod fates;
 mod films;
 mod golden;
 mod leaks;

@@ -3,7 +3,7 @@
 use crate::adapter::require_gpu;
 use crate::films::{f64_twin, gpu};
 use crate::scenes::Case;
-use tirtouch::trace::backend::{CameraMode, CpuTracer, PhotonMode};
+use tirtouch::trace::backend::{CameraMode, CpuTracer, Fates, PhotonMode};
 use tirtouch::trace::{Backend, Model};
 
 const SIZE: [u32; 2] = [24, 18];
@@ -13,7 +13,7 @@ const WHOLE: &[[[u32; 2]; 2]] = &[[[0, PIXELS], [0, 8]]];
 const CUT: &[[[u32; 2]; 2]] =
     &[[[100, PIXELS - 100], [3, 5]], [[0, 100], [0, 1]], [[0, 100], [1, 7]], [[100, PIXELS - 100], [0, 3]]];
 
-fn camera(backend: &mut Backend, seed: u32, chunks: &[[[u32; 2]; 2]]) -> (Vec<u64>, u64) {
+fn camera(backend: &mut Backend, seed: u32, chunks: &[[[u32; 2]; 2]]) -> (Vec<u64>, Fates) {
     backend.clear_film().unwrap();
     for &[pixels, samples] in chunks {
         backend.camera(CameraMode::Path, seed, pixels, samples).unwrap();

@@ -55,7 +55,7 @@ pub fn choice() -> BackendChoice {
 
 /// A path of unlimited length at a point, with an optical momentum.
 pub fn path<T: Real>(model: &Model<T>, layer: usize, o: [f64; 3], p: [f64; 3]) -> Path<'_, T> {
-    let mut path = Path::new(model, Limits { roulette_start: u32::MAX, event_cap: u32::MAX });
+    let mut path = Path::new(model, Limits::ENDLESS);
     put(&mut path, layer, o, p);
     path
 }

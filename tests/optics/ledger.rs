@@ -49,9 +49,9 @@ fn the_camera_sees_nothing_through_the_papers_flat_stack() {
     for mut backend in bench::backends(&model) {
         backend.clear_film().unwrap();
         backend.camera(CameraMode::Path, 1, [0, columns * rows], [0, 16]).unwrap();
-        let (film, segments) = backend.read_film().unwrap();
+        let (film, fates) = backend.read_film().unwrap();
         assert!(film.iter().all(|&v| v == 0), "{}", backend.name());
-        assert!(segments > u64::from(16 * columns * rows) / 2);
+        assert!(fates.segments > u64::from(16 * columns * rows) / 2);
     }
 }
 

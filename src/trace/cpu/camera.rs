@@ -2,7 +2,8 @@
 
 use super::fresnel::fresnel;
 use super::vec3::v3;
-use super::{End, Limits, Path, V3, book};
+use super::{End, Limits, Path, V3, book, units};
+use crate::trace::backend::Fates;
 use crate::trace::model::{Model, Real, Tissue};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -22,26 +23,27 @@ const REFLECTED: f64 = 0.2;
 /// Film units of one unit of radiance: sums are 64-bit fixed point with 48 fractional bits.
 pub const FILM_UNIT: f64 = 281_474_976_710_656.0;
 
-/// Adds `samples` paths per pixel, from `first_sample` on, to the fixed-point film; returns the segments traced.
+/// Adds `samples` paths per pixel, from `first_sample` on, to the fixed-point film; returns what became of them.
 pub fn add<T: Real>(
     model: &Model<T>,
     view: View<T>,
     seed: u32,
     [first_sample, samples]: [u32; 2],
     first_pixel: usize,
+    limits: Limits,
     film: &mut [u64],
-) -> u64 {
+) -> Fates {
     film.par_iter_mut()
         .enumerate()
         .map(|(k, sum)| {
-            let mut path = Path::new(model, Limits::default());
+            let mut path = Path::new(model, limits);
             for s in first_sample..first_sample + samples {
                 let light = path.camera_path(view, seed, (first_pixel + k) as u32, s);
                 *sum = sum.wrapping_add((light.wide() * FILM_UNIT) as u64);
             }
-            path.tally[book::SEGMENTS] as u64
+            Fates::of(&path.tally)
         })
-        .sum()
+        .reduce(Fates::default, Fates::and)
 }
 
 impl<T: Real> Path<'_, T> {
@@ -70,6 +72,11 @@ impl<T: Real> Path<'_, T> {
             break end;
         };
         self.record(1000 + end as u32, T::one());
+        match end {
+            End::Lost => self.tally[book::LOST] += 1,
+            End::Cap => self.tally[book::TERMINATED] += units(self.weight),
+            _ => {}
+        }
         light + self.weight * self.light_at_end(end)
     }
 

@@ -90,18 +90,25 @@ pub struct Event {
     pub margin: f64,
 }
 
-/// Limits of a walk; the defaults are those of the shaders.
+/// Limits of a walk: override constants of the shaders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Interactions after which Russian roulette begins.
     pub roulette_start: u32,
     /// Interactions after which a path is cut off.
     pub event_cap: u32,
+    /// Steps of the search on a height field after which a path is lost.
+    pub search_steps: u32,
+}
+
+impl Limits {
+    /// Neither roulette nor a cap.
+    pub const ENDLESS: Self = Self { roulette_start: u32::MAX, event_cap: u32::MAX, search_steps: 1024 };
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { roulette_start: 256, event_cap: 65_536 }
+        Self { roulette_start: 256, event_cap: 65_536, search_steps: 1024 }
     }
 }
 

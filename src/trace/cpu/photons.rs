@@ -26,11 +26,12 @@ pub fn send<T: Real>(
     seed: u32,
     threads: u32,
     [first_sample, samples]: [u32; 2],
+    limits: Limits,
 ) -> [i64; book::SLOTS] {
     (0..threads)
         .into_par_iter()
         .map(|thread| {
-            let mut path = Path::new(model, Limits::default());
+            let mut path = Path::new(model, limits);
             path.deposits = deposits;
             for s in first_sample..first_sample + samples {
                 path.photon(seed, thread, s);

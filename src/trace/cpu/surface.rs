@@ -137,7 +137,7 @@ impl<T: Real> Path<'_, T> {
         }
         let mut t = if outside { (near - zeta) / p.z } else { zero };
         let k = (face.curvature * (p.x * p.x + p.y * p.y)).max(c(1e-12));
-        for n in 0..1024 {
+        for n in 0..self.limits.search_steps {
             if t >= t_max {
                 return far();
             }

@@ -13,6 +13,7 @@
 
 use super::layout::{self, Wgsl};
 use crate::trace::backend::{CameraMode, PhotonMode};
+use crate::trace::cpu::Limits;
 use crate::trace::kernel::{Kernel, ShapePiece};
 use crate::trace::leds::Led;
 use crate::trace::model::{Face, Heights, Layer, Model, Shape};
@@ -152,7 +153,7 @@ fn accessor(text: &mut String, name: &str, kind: &str, values: impl Iterator<Ite
 }
 
 /// Override constants of a kernel.
-pub fn constants(kernel: &Kernel, entry: Entry) -> Vec<(&'static str, f64)> {
+pub fn constants(kernel: &Kernel, entry: Entry, limits: Limits) -> Vec<(&'static str, f64)> {
     let mut constants = vec![
         ("DEFORMED", kernel.deformed()),
         ("DEFORMED_PAIRS", kernel.deformed_pairs),
@@ -182,6 +183,12 @@ pub fn constants(kernel: &Kernel, entry: Entry) -> Vec<(&'static str, f64)> {
         ]),
     }
     let mut constants: Vec<_> = constants.into_iter().map(|(name, on)| (name, f64::from(u8::from(on)))).collect();
+    let limits = [
+        ("ROULETTE_START", limits.roulette_start),
+        ("EVENT_CAP", limits.event_cap),
+        ("SEARCH_STEPS", limits.search_steps),
+    ];
+    constants.extend(limits.map(|(name, limit)| (name, f64::from(limit))));
     if kernel.touched && entry == Entry::Photons(PhotonMode::Map) {
         constants.push(("UNFOLDED", f64::from(kernel.unfolded)));
     }

@@ -4,8 +4,8 @@ use super::assemble::{Entry, constants, source};
 use super::device::Gpu;
 use super::layout;
 use crate::trace::TraceError;
-use crate::trace::backend::{CameraMode, PhotonMode, deposit_cells};
-use crate::trace::cpu::{UNIT, book};
+use crate::trace::backend::{CameraMode, Fates, PhotonMode, deposit_cells};
+use crate::trace::cpu::{Limits, UNIT, book};
 use crate::trace::kernel::{Kernel, ShapePiece};
 use crate::trace::model::Model;
 use std::collections::HashMap;
@@ -32,12 +32,14 @@ pub struct GpuTracer {
     surface: [wgpu::Buffer; 2],
     share: wgpu::Buffer,
     film: wgpu::Buffer,
+    fates: wgpu::Buffer,
     exitance: wgpu::Buffer,
     deposits: wgpu::Buffer,
     ledger: wgpu::Buffer,
     events: Option<wgpu::Buffer>,
     pipelines: HashMap<Entry, wgpu::ComputePipeline>,
     edit: Option<SourceEdit>,
+    limits: Limits,
     /// Camera paths and photons sent since their sums were emptied.
     sent: [u64; 2],
 }
@@ -63,12 +65,14 @@ impl GpuTracer {
             surface: [storage("surface", &surface_a)?, storage("triangles", &surface_b)?],
             share: storage("contact share", grid)?,
             film: gpu.buffer("film", 16 * pixels, Usage::STORAGE | Usage::COPY_SRC)?,
+            fates: gpu.buffer("fates of camera paths", 16, Usage::STORAGE | Usage::COPY_SRC)?,
             exitance: gpu.buffer("exitance map", 16, Usage::STORAGE)?,
             deposits: gpu.buffer("photon deposits", 16, Usage::STORAGE | Usage::COPY_SRC)?,
             ledger: gpu.buffer("ledger", 8 * book::SLOTS as u64, Usage::STORAGE | Usage::COPY_SRC)?,
             events: None,
             pipelines: HashMap::new(),
             edit: None,
+            limits: Limits::default(),
             sent: [0; 2],
             kernel,
             model,
@@ -79,6 +83,12 @@ impl GpuTracer {
     /// Loads a model, and changes the kernels' WGSL before it is compiled: to inject faults that tests must find.
     pub fn with_source(gpu: Gpu, model: &Model<f64>, edit: SourceEdit) -> Result<Self, TraceError> {
         Ok(Self { edit: Some(edit), ..Self::on(gpu, model)? })
+    }
+
+    /// The same with other limits of a walk.
+    #[must_use]
+    pub fn with_limits(self, limits: Limits) -> Self {
+        Self { limits, pipelines: HashMap::new(), ..self }
     }
 
     /// Name of the adapter and its driver.
@@ -135,7 +145,7 @@ impl GpuTracer {
             bind_group_layouts: &[Some(&group)],
             ..Default::default()
         });
-        let constants = constants(&self.kernel, entry);
+        let constants = constants(&self.kernel, entry, self.limits);
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("kernel"),
             layout: Some(&layout),
@@ -177,7 +187,7 @@ impl GpuTracer {
         }
         match entry {
             Entry::Camera(_) => {
-                out.push((6, &self.film, write));
+                out.extend([(6, &self.film, write), (12, &self.fates, write)]);
                 if self.kernel.touched {
                     out.push((7, &self.exitance, read));
                 }
@@ -221,6 +231,7 @@ impl GpuTracer {
     pub(in crate::trace) fn clear_film(&mut self) {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.film, 0, None);
+        encoder.clear_buffer(&self.fates, 0, None);
         self.sent[0] = 0;
         self.gpu.queue.submit([encoder.finish()]);
     }
@@ -243,12 +254,14 @@ impl GpuTracer {
         Ok(())
     }
 
-    pub(in crate::trace) fn read_film(&mut self) -> Result<(Vec<u64>, u64), TraceError> {
+    pub(in crate::trace) fn read_film(&mut self) -> Result<(Vec<u64>, Fates), TraceError> {
         let words = self.gpu.read(&self.film)?;
+        let fates = self.gpu.read(&self.fates)?;
         let pixels = words.chunks_exact(4);
         let segments = pixels.clone().map(|p| u64::from(p[2])).sum();
         finished(pixels.clone().map(|p| u64::from(p[3])).sum(), self.sent[0])?;
-        Ok((pixels.map(|p| join(p[0], p[1])).collect(), segments))
+        let fates = Fates { segments, lost: fates[0].into(), cut_off: join(fates[1], fates[2]) };
+        Ok((pixels.map(|p| join(p[0], p[1])).collect(), fates))
     }
 
     pub(in crate::trace) fn set_exitance(&mut self, texels: &[[f64; 4]]) -> Result<(), TraceError> {

@@ -6,6 +6,7 @@ use super::*;
 use crate::film::mean_interval;
 use crate::scene::{LoadedScene, Pattern};
 use crate::surface::{ContactMap, Surface, contact_map};
+use crate::trace::cpu::Limits;
 use crate::trace::cpu::photons::{DEPOSIT_UNIT, Deposits, send};
 use crate::trace::exitance::tissue_share;
 use crate::trace::kernel::Spare;
@@ -60,7 +61,7 @@ fn thin() -> Model<f64> {
 /// Light of photons in eighths of the map along y, through true contact and through the gap, film units times mm^2.
 fn photons(model: &Model<f64>, seed: u32) -> Vec<f64> {
     let cells: Vec<AtomicU64> = (0..2 * model.map_size[0] * model.map_size[1]).map(|_| AtomicU64::new(0)).collect();
-    send(model, Some(&Deposits { cells: &cells, splatted: false }), seed, THREADS, [0, SAMPLES]);
+    send(model, Some(&Deposits { cells: &cells, splatted: false }), seed, THREADS, [0, SAMPLES], Limits::default());
     let each = model.power * model.aimed_share / f64::from(SAMPLES * THREADS) / DEPOSIT_UNIT;
     let mut sums = vec![0.0; 16];
     let half = model.map_size[0] * model.map_size[1];

@@ -1,0 +1,87 @@
+//! Camera paths that a surface loses or the cap cuts off are counted, and an image without their light is refused.
+
+use crate::adapter::require_gpu;
+use crate::scenes::Case;
+use tirtouch::trace::backend::CpuTracer;
+use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
+use tirtouch::trace::cpu::Limits;
+use tirtouch::trace::gpu::GpuTracer;
+use tirtouch::trace::model::Real;
+use tirtouch::trace::render::accepted;
+use tirtouch::trace::{Backend, Method, Model, TraceError};
+
+const PIXELS: [u32; 2] = [24, 18];
+const WORK: Work = Work { spp: 8, photons: 1 << 14 };
+
+fn twin<T: Real>(model: &Model<f64>, limits: Limits) -> Box<CpuTracer<T>> {
+    Box::new(CpuTracer::new(model.cast()).with_limits(limits))
+}
+
+/// The GPU, where there is one, and the twin in both precisions.
+fn backends(model: &Model<f64>, limits: Limits) -> impl Iterator<Item = Backend> {
+    let gpu = require_gpu().map(|gpu| GpuTracer::on(gpu, model).unwrap().with_limits(limits).into());
+    gpu.into_iter().chain([Backend::Cpu32(twin(model, limits)), Backend::Cpu64(twin(model, limits))])
+}
+
+/// Camera paths alone of a scene by a method. Its photons are taken out of the sums: they have counts of their own.
+fn camera_paths(model: &Model<f64>, method: Method, backend: &mut Backend) -> Totals {
+    let (pacer, totals) = (Pacer::default(), Totals::default());
+    let mut batch = Batch { model, backend, method, seed: 1, pacer, totals };
+    batch.replicate(0, WORK, &mut |_, _| true).unwrap();
+    Totals { photons: 0, tally: [0; _], ..batch.totals }
+}
+
+#[test]
+fn an_image_whose_camera_paths_got_lost_is_refused() {
+    // Two steps of the search on a height field are too few for most rays.
+    let lossy = Limits { search_steps: 2, ..Limits::default() };
+    for (name, method) in [("gaussian-dent", Method::Path), ("height-map", Method::Path), ("dent-contact", Method::Map)]
+    {
+        let model = Case::named(name).model(PIXELS);
+        for mut backend in backends(&model, lossy) {
+            let totals = camera_paths(&model, method, &mut backend);
+            let lost = totals.fates.lost;
+            println!("{name}, {}: {lost} of {} camera paths lost", backend.name(), totals.paths);
+            assert!(lost > totals.paths / 100 && lost < totals.paths, "{name}, {}: {lost}", backend.name());
+            let found = accepted(&totals);
+            assert!(
+                matches!(found, Err(TraceError::Lost { what: "camera paths", lost: l, .. }) if l == lost),
+                "{found:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn an_image_whose_camera_paths_were_cut_off_is_refused() {
+    let short = Limits { event_cap: 4, ..Limits::default() };
+    for (name, method) in
+        [("flat-bonded", Method::Path), ("contact-disc", Method::Map), ("contact-disc", Method::Splat)]
+    {
+        let model = Case::named(name).model(PIXELS);
+        let mut shares = Vec::new();
+        for mut backend in backends(&model, short) {
+            let totals = camera_paths(&model, method, &mut backend);
+            let share = totals.paths_cut_off();
+            println!("{name} by {}, {}: {share:.4} of the weight cut off", method.name(), backend.name());
+            assert!((1e-3..1.0).contains(&share), "{name} by {}, {}: {share}", method.name(), backend.name());
+            let found = accepted(&totals);
+            assert!(matches!(found, Err(TraceError::Truncated { share: s, .. }) if s == share), "{found:?}");
+            shares.push(share);
+        }
+        // The same paths by three tracers: a few of 3,456 may part by rounding, and weights round to 2^-20.
+        assert!(shares.iter().all(|s| (s / shares[0] - 1.0).abs() < 2e-3), "{name}: {shares:?}");
+    }
+}
+
+#[test]
+fn no_camera_path_of_an_accepted_image_is_lost_or_cut_off() {
+    for (name, method) in [("gaussian-dent", Method::Path), ("mirror-walls", Method::Map)] {
+        let model = Case::named(name).model(PIXELS);
+        for mut backend in backends(&model, Limits::default()) {
+            let totals = camera_paths(&model, method, &mut backend);
+            assert_eq!((totals.fates.lost, totals.fates.cut_off), (0, 0), "{name}, {}", backend.name());
+            assert!(totals.fates.segments > totals.paths && accepted(&totals).is_ok());
+        }
+    }
+}
