@@ -1,6 +1,6 @@
 // Looks into the tracer for the stability table: rays that start where they are told and are followed for so many steps,
-// and reflectances at given momenta. It stands in for `photons.wgsl`; the numbers come in `led_tables`, which no LED of a
-// probed scene uses, and go out in the event rows.
+// and reflectances at given momenta. The numbers come in `led_tables`, which no LED of a probed scene uses, and go out in the
+// event rows.
 
 override MAPPED: bool = false;
 override SPLATTED: bool = false;
@@ -15,7 +15,7 @@ fn input(row: u32, k: u32) -> f32 { return led_tables[(row * WORDS_IN + k) / 2u]
 fn put(row: u32, k: u32, v: f32) { events[row * EVENTS + k] = bitcast<u32>(v); }
 
 @compute @workgroup_size(64)
-fn photons(@builtin(global_invocation_id) id: vec3u) {
+fn probe(@builtin(global_invocation_id) id: vec3u) {
     let row = id.x;
     if (row >= run.count) { return; }
     let steps = input(row, 7u);

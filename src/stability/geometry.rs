@@ -4,11 +4,10 @@ use super::row::{Part, Row, Subject};
 use super::scenes::{hard_scenes, layers};
 use super::tracer::{Finish, Start, Tracer};
 use super::watch::{Seen, direction};
-use super::{Context, StabilityError};
+use super::{Context, StabilityError, creeping};
 use crate::scene::{Walls, preset, validate};
 use crate::trace::batch::{Batch, Pacer, Totals};
 use crate::trace::cpu::{End, Limits, Path, book};
-use crate::trace::model::Shape;
 use crate::trace::render::accepted;
 use crate::trace::{Method, Model, TraceError};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
@@ -16,23 +15,35 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 /// Steps that a hard ray is followed for.
 const STEPS: u32 = 256;
 
-/// Rays at 89.9 to 90 degrees, and through edges and corners, in every hard scene.
+/// Rays at 89.9 to 90 degrees, through edges and corners, and along height fields, in every hard scene.
 pub fn hard_rays(context: &Context, tracer: &Tracer) -> Result<Vec<Row>, StabilityError> {
-    let scenes = hard_scenes(context.quick)?;
-    let mut rows = Vec::new();
-    for (what, starts) in [
-        ("grazing rays, 89.9 to 90 degrees", grazing as fn(&Model<f32>) -> Vec<Start>),
-        ("rays through edges and corners", corners),
-    ] {
-        let (mut rays, mut lost, mut astray) = (0, 0, 0);
-        for scene in &scenes {
-            let starts = starts(&scene.model.cast());
-            let finishes = tracer.follow(&scene.model, &starts)?;
-            rays += finishes.len();
-            lost += finishes.iter().filter(|f| f.end == End::Lost as u32).count();
-            astray += finishes.iter().filter(|f| is_astray(&scene.model, f)).count();
+    let families = [
+        "grazing rays, 89.9 to 90 degrees",
+        "rays through edges and corners",
+        "rays along height fields, 0.1 to 1e-7 rad",
+    ];
+    // Rays, those lost and those astray; and scenes that have such rays.
+    let mut counts = [[0; 4]; 3];
+    for scene in &hard_scenes(context.quick)? {
+        let single = scene.model.cast();
+        let starts = [grazing(&single), corners(&single), creeping::starts(&scene.model)];
+        let finishes = tracer.follow(&scene.model, &starts.concat())?;
+        let mut rest = finishes.as_slice();
+        for (count, starts) in counts.iter_mut().zip(&starts) {
+            let (these, others) = rest.split_at(starts.len());
+            let found = [
+                these.len(),
+                these.iter().filter(|f| f.end == End::Lost as u32).count(),
+                these.iter().filter(|f| is_astray(&scene.model, f)).count(),
+                usize::from(!these.is_empty()),
+            ];
+            count.iter_mut().zip(found).for_each(|(sum, n)| *sum += n);
+            rest = others;
         }
-        let subject = Subject::new(Part::Light, format!("{what}, {} scenes", scenes.len()), tracer.name());
+    }
+    let mut rows = Vec::new();
+    for (what, [rays, lost, astray, scenes]) in families.into_iter().zip(counts) {
+        let subject = Subject::new(Part::Light, format!("{what}, {scenes} scenes"), tracer.name());
         rows.push(subject.none(
             format!("rays lost, of {rays}"),
             lost as f64,
@@ -81,10 +92,7 @@ fn grazing(model: &Model<f32>) -> Vec<Start> {
                 |z: f64, angle: f64| starts.push(inside(model, layer, [at[0], at[1], z], direction(angle, turn)));
             add(0.5 * (low + high), FRAC_PI_2 - off);
             add(0.5 * (low + high), FRAC_PI_2 + off);
-            // A ray that creeps along a height field takes more Newton steps than it is given, and is counted as lost.
-            if !matches!(model.shape, Shape::Field(_)) {
-                add(low, FRAC_PI_2 - off);
-            }
+            add(low, FRAC_PI_2 - off);
         }
     }
     starts
@@ -141,23 +149,37 @@ pub fn watched_paths(context: &Context) -> Result<Vec<Row>, StabilityError> {
     let scenes = hard_scenes(context.quick)?;
     let seen =
         scenes.iter().map(|scene| Seen::of_scene(&scene.model.cast(), segments)).fold(Seen::default(), Seen::merge);
-    let case = format!("{} segments in {} scenes", seen.segments, scenes.len());
+    let along = scenes.iter().map(|scene| Seen::along(&scene.model)).fold(Seen::default(), Seen::merge);
+    let layers = ["the hit's rounding and Newton's last step", "a height's rounding a bounce, and a hit's"];
+    let mut rows = watched(
+        seen,
+        format!("{} segments in {} scenes", seen.segments, scenes.len()),
+        (1e-6, "what a render accepts"),
+        (Seen::WRONG_LAYER_MM, layers[0]),
+    );
+    let none = (0.0, "a ray in a layer meets one of its faces");
+    rows.extend(watched(
+        along,
+        format!("{} rays along height fields", along.paths),
+        none,
+        (creeping::BEYOND_MM, layers[1]),
+    ));
+    Ok(rows)
+}
+
+/// What was seen of some paths, with what may be lost of them and how far they may be outside their layer, and why.
+fn watched(seen: Seen, case: String, lost: (f64, &str), beyond: (f64, &str)) -> Vec<Row> {
     let subject = Subject::new(Part::Light, case, "cpu f32");
-    let lost = seen.lost as f64 / seen.paths.max(1) as f64;
+    let share = seen.lost as f64 / seen.paths.max(1) as f64;
     let bad = (seen.not_finite + seen.stuck + seen.cut_off) as f64;
-    Ok(vec![
-        subject.absolute("share of paths lost", [lost, 0.0], "must not happen", 1e-6, "what a render accepts"),
+    let (outside, layer) = ([seen.outside_mm, 0.0], [seen.wrong_layer_mm, 0.0]);
+    vec![
+        subject.absolute("share of paths lost", [share, 0.0], "must not happen", lost.0, lost.1),
         subject.none("paths stuck, cut off or without a number", bad, "looked at between any two steps"),
-        subject.absolute("furthest outside, mm", [seen.outside_mm, 0.0], "inside", Seen::OUTSIDE_MM, "ulps of 20 mm"),
-        subject.absolute(
-            "furthest outside its layer, mm",
-            [seen.wrong_layer_mm, 0.0],
-            "in its layer",
-            Seen::WRONG_LAYER_MM,
-            "the hit's rounding and Newton's last step",
-        ),
+        subject.absolute("furthest outside, mm", outside, "inside", Seen::OUTSIDE_MM, "ulps of 20 mm"),
+        subject.absolute("furthest outside its layer, mm", layer, "in its layer", beyond.0, beyond.1),
         subject.absolute("|p| / n - 1, worst", [seen.momentum, 0.0], "0", Seen::MOMENTUM, "tens of roundings a bounce"),
-    ])
+    ]
 }
 
 /// A cap on interactions cuts light off, and the ledger counts it. A layer without thickness is refused.

@@ -4,6 +4,7 @@
 //! faulty tracer or element in and see rows fail.
 
 mod compressibility;
+pub mod creeping;
 mod geometry;
 mod images;
 pub mod inclusions;

@@ -4,7 +4,7 @@ use super::StabilityError;
 use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::press::{PressSettings, press};
 use crate::scene::{Inner, Layer, Lens, LoadedScene, Normals, PRESETS, Roughness, Scene, Shape, Walls, preset};
-use crate::surface::{contact_map, pressed_contact, pressed_surface, surface};
+use crate::surface::{HeightField, Surface, contact_map, pressed_contact, pressed_surface, surface};
 use crate::trace::Model;
 
 /// Pixels of the camera, which plays no part.
@@ -97,6 +97,7 @@ pub fn hard_scenes(quick: bool) -> Result<Vec<HardScene>, StabilityError> {
             (s.touch.shape, s.touch.inner) = (dent.clone(), Inner::Follow);
         })?,
     );
+    add("height-map", height_map()?);
     add("thin-layers", variant("flat-bonded", |s| layers(s, &THIN))?);
     if quick {
         return Ok(scenes);
@@ -113,6 +114,19 @@ pub fn hard_scenes(quick: bool) -> Result<Vec<HardScene>, StabilityError> {
     );
     add("mesh-dent", mesh_dent()?);
     Ok(scenes)
+}
+
+/// An oval dent and a bump beside it as bicubic height fields over the plane, the second interface by half as much.
+fn height_map() -> Result<Model<f64>, StabilityError> {
+    let mut loaded = preset("dent-cap")?;
+    loaded.scene.camera.pixels = PIXELS;
+    let bell = |x: f64, y: f64| (-(x * x + 2.0 * y * y) / 8.0).exp();
+    let height = |x, y| 0.3 * bell(x - 6.0, y) - bell(x, y);
+    let field = HeightField::sample(129, loaded.scene.stack.footprint_mm, height);
+    let field = field.ok_or(StabilityError::Missing("a height field needs 3 x 3 samples"))?;
+    let mut fields = vec![None; loaded.scene.stack.layer.len() - 1];
+    fields.extend([Some(field.scaled(0.5)), Some(field)]);
+    Ok(Model::new(&loaded, &Surface::Fields(fields), None)?)
 }
 
 /// A dent as a mesh of triangles.

@@ -6,12 +6,9 @@ use crate::trace::cpu::{End, Limits, Path, fresnel};
 use crate::trace::gpu::assemble::Entry;
 use crate::trace::gpu::{Gpu, GpuTracer};
 use crate::trace::model::Real;
-use crate::trace::{Model, TraceError, backend::PhotonMode};
+use crate::trace::{Model, TraceError};
 use rayon::prelude::*;
 
-/// The entry that the probe stands in for, and the probe.
-const PHOTONS: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/entry/photons.wgsl"));
-const PROBE: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/entry/probe.wgsl"));
 /// Words of one event row, as in `record.wgsl`.
 const EVENTS: usize = 64;
 
@@ -22,6 +19,8 @@ pub enum Tracer {
     Gpu {
         /// A change to its WGSL.
         edit: fn(String) -> String,
+        /// Limits of its walks; those of probed rays have neither roulette nor a cap, whatever is said here.
+        limits: Limits,
     },
     /// The twin in f32.
     Twin {
@@ -29,6 +28,8 @@ pub enum Tracer {
         reflectance: fn(f32, f32, f32) -> f32,
         /// A change to the path between two of its steps.
         between: fn(&mut Path<f32>),
+        /// As for the GPU.
+        limits: Limits,
     },
 }
 
@@ -66,15 +67,23 @@ pub struct Finish {
     pub steps: u32,
 }
 
+impl Start {
+    /// Puts a path there.
+    pub fn put<T: Real>(&self, path: &mut Path<T>) {
+        let vector = |a: [f32; 3]| v3(T::of(a[0].into()), T::of(a[1].into()), T::of(a[2].into()));
+        (path.o, path.p, path.layer) = (vector(self.o), vector(self.p), self.layer);
+    }
+}
+
 impl Tracer {
     /// The GPU as it is.
     pub fn gpu() -> Self {
-        Self::Gpu { edit: |text| text }
+        Self::Gpu { edit: |text| text, limits: Limits::default() }
     }
 
     /// The twin in f32 as it is.
     pub fn twin() -> Self {
-        Self::Twin { reflectance: fresnel::reflectance::<f32>, between: |_| {} }
+        Self::Twin { reflectance: fresnel::reflectance::<f32>, between: |_| {}, limits: Limits::default() }
     }
 
     /// Its name in the table.
@@ -88,33 +97,30 @@ impl Tracer {
     /// The tracer with a scene loaded.
     pub fn open(&self, model: &Model<f64>) -> Result<Backend, TraceError> {
         Ok(match *self {
-            Self::Gpu { edit } => {
-                let edit = Box::new(move |_: Entry, text: String| edit(text));
-                GpuTracer::with_source(Gpu::open()?, model, edit)?.into()
-            }
-            Self::Twin { .. } => Backend::Cpu32(Box::new(CpuTracer::new(model.cast()))),
+            Self::Gpu { edit, limits } => edited(edit, model)?.with_limits(limits).into(),
+            Self::Twin { limits, .. } => Backend::Cpu32(Box::new(CpuTracer::new(model.cast()).with_limits(limits))),
         })
     }
 
     /// Follows rays without roulette and without a cap.
     pub fn follow(&self, model: &Model<f64>, starts: &[Start]) -> Result<Vec<Finish>, TraceError> {
         match *self {
-            Self::Gpu { edit } => {
+            Self::Gpu { edit, limits } => {
                 let row = |s: &Start| [s.o[0], s.o[1], s.o[2], s.p[0], s.p[1], s.p[2], s.layer as f32, s.steps as f32];
                 let rows: Vec<[f32; 8]> = starts.iter().map(row).collect();
-                Ok(probe(edit, model, &rows)?.iter().map(|words| finish(words)).collect())
+                Ok(probe(edit, limits, model, &rows)?.iter().map(|words| finish(words)).collect())
             }
-            Self::Twin { between, .. } => Ok(follow(&model.cast::<f32>(), starts, between)),
+            Self::Twin { between, limits, .. } => Ok(follow(&model.cast::<f32>(), starts, between, limits)),
         }
     }
 
     /// Reflectances at [a, n_t^2 - n_i^2, n_i^2]; `model` is any scene.
     pub fn reflectances(&self, model: &Model<f64>, at: &[[f32; 3]]) -> Result<Vec<f32>, TraceError> {
         match *self {
-            Self::Gpu { edit } => {
+            Self::Gpu { edit, limits } => {
                 let rows: Vec<[f32; 8]> =
                     at.iter().map(|&[a, dn_sq, n_sq]| [a, dn_sq, n_sq, 0.0, 0.0, 0.0, 0.0, -1.0]).collect();
-                Ok(probe(edit, model, &rows)?.iter().map(|words| f32::from_bits(words[0])).collect())
+                Ok(probe(edit, limits, model, &rows)?.iter().map(|words| f32::from_bits(words[0])).collect())
             }
             Self::Twin { reflectance, .. } => {
                 Ok(at.iter().map(|&[a, dn_sq, n_sq]| reflectance(a, dn_sq, n_sq)).collect())
@@ -125,15 +131,19 @@ impl Tracer {
 
 /// The rays in f64: the reference.
 pub fn follow_exactly(model: &Model<f64>, starts: &[Start]) -> Vec<Finish> {
-    follow(model, starts, |_| {})
+    follow(model, starts, |_| {}, Limits::default())
 }
 
-fn follow<T: Real>(model: &Model<T>, starts: &[Start], between: fn(&mut Path<T>)) -> Vec<Finish> {
-    let vector = |a: [f32; 3]| v3(T::of(a[0].into()), T::of(a[1].into()), T::of(a[2].into()));
+/// The walks are lossless: neither roulette nor the cap may end them.
+fn endless(limits: Limits) -> Limits {
+    Limits { search_steps: limits.search_steps, ..Limits::ENDLESS }
+}
+
+fn follow<T: Real>(model: &Model<T>, starts: &[Start], between: fn(&mut Path<T>), limits: Limits) -> Vec<Finish> {
     let one = |(row, start): (usize, &Start)| {
-        let mut path = Path::new(model, Limits::ENDLESS);
+        let mut path = Path::new(model, endless(limits));
         path.start_random(SEED, row as u32, 0);
-        (path.o, path.p, path.layer) = (vector(start.o), vector(start.p), start.layer);
+        start.put(&mut path);
         let along = path.p.x.hypot(path.p.y);
         let (mut end, mut steps) = (End::GoesOn, 0);
         let (mut drift, mut stretch) = (T::zero(), T::zero());
@@ -167,17 +177,25 @@ fn follow<T: Real>(model: &Model<T>, starts: &[Start], between: fn(&mut Path<T>)
 const SEED: u32 = 20_261_121;
 
 /// Sends rows through the probe and gives their event rows.
-fn probe(edit: fn(String) -> String, model: &Model<f64>, rows: &[[f32; 8]]) -> Result<Vec<Vec<u32>>, TraceError> {
+fn probe(
+    edit: fn(String) -> String,
+    limits: Limits,
+    model: &Model<f64>,
+    rows: &[[f32; 8]],
+) -> Result<Vec<Vec<u32>>, TraceError> {
     let mut model = model.clone();
     let pairs = rows.iter().flat_map(|row| row.chunks_exact(2));
     model.led_tables = pairs.map(|pair| [f64::from(pair[0]), f64::from(pair[1])]).collect();
-    let edit = Box::new(move |_: Entry, text: String| edit(text.replace(PHOTONS, PROBE)));
-    let mut tracer = GpuTracer::with_source(Gpu::open()?, &model, edit)?.with_limits(Limits::ENDLESS);
+    let mut tracer = edited(edit, &model)?.with_limits(endless(limits));
     let count = rows.len() as u32;
     tracer.record_events(count)?;
-    tracer.photons(PhotonMode::Ledger, SEED, count, [0, 1])?;
+    tracer.probe(SEED, count)?;
     let words = tracer.read_events()?;
     Ok(words.chunks_exact(EVENTS).take(rows.len()).map(<[u32]>::to_vec).collect())
+}
+
+fn edited(edit: fn(String) -> String, model: &Model<f64>) -> Result<GpuTracer, TraceError> {
+    GpuTracer::with_source(Gpu::open()?, model, Box::new(move |_: Entry, text: String| edit(text)))
 }
 
 fn finish(words: &[u32]) -> Finish {

@@ -1,5 +1,7 @@
 //! A guard that looks at a path of the twin between any two steps of its walk.
 
+use super::creeping;
+use super::tracer::Start;
 use crate::trace::Model;
 use crate::trace::cpu::vec3::{V3, v3};
 use crate::trace::cpu::{End, Limits, Path};
@@ -98,11 +100,17 @@ impl Seen {
     }
 
     /// Follows a path that is under way to its end.
-    pub fn follow<T: Real>(&mut self, path: &mut Path<T>, mut end: End) {
+    pub fn follow<T: Real>(&mut self, path: &mut Path<T>, end: End) {
+        self.follow_for(path, end, u64::MAX);
+    }
+
+    /// The same for so many steps at most.
+    fn follow_for<T: Real>(&mut self, path: &mut Path<T>, mut end: End, steps: u64) {
         self.paths += 1;
+        let last = self.segments.saturating_add(steps);
         let before = self.not_finite;
         let mut still = 0;
-        while end == End::GoesOn {
+        while end == End::GoesOn && self.segments < last {
             let from = path.o;
             end = path.step();
             self.segments += 1;
@@ -125,6 +133,20 @@ impl Seen {
         }
         self.lost += u64::from(end == End::Lost);
         self.cut_off += u64::from(end == End::Cap);
+    }
+
+    /// Follows the rays along a scene's height fields, in f32.
+    pub fn along(model: &Model<f64>) -> Self {
+        let single = model.cast::<f32>();
+        let follow = |(k, start): (usize, &Start)| {
+            let mut path = Path::new(&single, Limits::default());
+            path.start_random(1, k as u32, 0);
+            start.put(&mut path);
+            let mut seen = Self::default();
+            seen.follow_for(&mut path, End::GoesOn, start.steps.into());
+            seen
+        };
+        creeping::starts(model).par_iter().enumerate().map(follow).reduce(Self::default, Self::merge)
     }
 
     /// Follows photons and camera paths of a scene until they have made so many segments.

@@ -2,7 +2,7 @@
 
 use super::*;
 use tirtouch::stability::{CHECKS, Context, Row, Tracer, membrane};
-use tirtouch::trace::cpu::Path as Ray;
+use tirtouch::trace::cpu::{Limits, Path as Ray};
 use tirtouch::trace::gpu::Gpu;
 
 #[path = "../mechanics/bilinear.rs"]
@@ -54,6 +54,12 @@ fn has_gpu() -> bool {
     Gpu::open().is_ok()
 }
 
+/// A text with its one place that reads `right` changed.
+fn once(text: String, right: &str, wrong: &str) -> String {
+    assert_eq!(text.matches(right).count(), 1, "the shader has changed: {right}");
+    text.replace(right, wrong)
+}
+
 /// 1 - eta^2 sin^2 as it stands in textbooks.
 fn naive(a: f32, dn_sq: f32, n_sq: f32) -> f32 {
     let (cos_sq, eta_sq) = (a * a / n_sq, n_sq / (n_sq + dn_sq));
@@ -70,15 +76,14 @@ fn naive_source(text: String) -> String {
     let right = "let b_sq = dn_sq + a * a;\n    let r = fresnel";
     let wrong = "let n_t_sq = n_i_sq + dn_sq;\n    \
                  let b_sq = n_t_sq * (1.0 - n_i_sq / n_t_sq * (1.0 - a * a / n_i_sq));\n    let r = fresnel";
-    assert!(text.contains(right), "the shader has changed");
-    text.replace(right, wrong)
+    once(text, right, wrong)
 }
 
 #[test]
 fn a_naive_cosine_fails_at_small_steps_of_the_index_and_not_against_air() {
-    let mut tracers = vec![Tracer::Twin { reflectance: naive, between: |_| {} }];
+    let mut tracers = vec![Tracer::Twin { reflectance: naive, between: |_| {}, limits: Limits::default() }];
     if has_gpu() {
-        tracers.push(Tracer::Gpu { edit: naive_source });
+        tracers.push(Tracer::Gpu { edit: naive_source, limits: Limits::default() });
     }
     for tracer in tracers {
         let rows = failing("near-critical incidence", tracer);
@@ -99,17 +104,29 @@ fn nudge(ray: &mut Ray<f32>) {
 
 fn nudged_source(text: String) -> String {
     let right = "let o = path.o;\n    let p = path.p;\n    let rim";
-    assert!(text.contains(right), "the shader has changed");
-    text.replace(right, "let p = path.p;\n    let o = path.o + vec3f(0.0, 0.0, 1e-4 * sign(p.z));\n    let rim")
+    once(text, right, "let p = path.p;\n    let o = path.o + vec3f(0.0, 0.0, 1e-4 * sign(p.z));\n    let rim")
 }
 
 #[test]
 fn an_epsilon_in_ray_starts_moves_guided_rays() {
-    let twin = Tracer::Twin { reflectance: tirtouch::trace::cpu::fresnel::reflectance, between: nudge };
-    let tracers = [twin].into_iter().chain(has_gpu().then_some(Tracer::Gpu { edit: nudged_source }));
+    let limits = Limits::default();
+    let twin = Tracer::Twin { reflectance: tirtouch::trace::cpu::fresnel::reflectance, between: nudge, limits };
+    let tracers = [twin].into_iter().chain(has_gpu().then_some(Tracer::Gpu { edit: nudged_source, limits }));
     for tracer in tracers {
         assert_eq!(failing("guided positions", tracer).len(), 1, "{}", tracer.name());
         assert!(!failing("lateral shift", tracer).is_empty(), "{}", tracer.name());
+    }
+}
+
+#[test]
+fn a_search_of_few_steps_loses_rays_along_height_fields() {
+    let limits = Limits { search_steps: 48, ..Limits::default() };
+    let twin = Tracer::Twin { reflectance: tirtouch::trace::cpu::fresnel::reflectance, between: |_| {}, limits };
+    let gpu = has_gpu().then_some(Tracer::Gpu { edit: |text| text, limits });
+    for tracer in [twin].into_iter().chain(gpu) {
+        let rows = failing("grazing and corner rays", tracer);
+        let lost = rows.iter().find(|row| row.case.starts_with("rays along height fields"));
+        assert!(lost.is_some_and(|row| row.quantity.starts_with("rays lost") && row.found > 10.0), "{rows:#?}");
     }
 }
 

@@ -4,6 +4,11 @@ use super::Path;
 use super::vec3::{V3, v3};
 use crate::trace::model::{CapShape, FieldShape, Heights, MeshShape, Real, Shape};
 
+/// Steps of the search on a height field that never pass the surface, before they are lengthened.
+const SAFE_STEPS: f64 = 64.0;
+/// How far beyond the surface a longer step has passed it, mm.
+const STEPPED_OVER: f64 = 1e-5;
+
 /// Further than anything.
 pub fn far<T: Real>() -> T {
     T::of(1e30)
@@ -137,26 +142,39 @@ impl<T: Real> Path<'_, T> {
         }
         let mut t = if outside { (near - zeta) / p.z } else { zero };
         let k = (face.curvature * (p.x * p.x + p.y * p.y)).max(c(1e-12));
-        for n in 0..self.limits.search_steps {
+        let [half_x, half_y] = self.model.half_size;
+        let steps = c::<T>(f64::from(self.limits.search_steps));
+        // Lengthened by so much each, half of the steps reach across.
+        let longer = c::<T>(8.0) * t_max.min(two * (half_x + half_y)) / (steps * steps);
+        let (mut taken, mut before, mut last) = (zero, zero, zero);
+        for _ in 0..self.limits.search_steps {
             if t >= t_max {
                 return far();
             }
             let h = self.field_at(field, i, o.x + t * p.x, o.y + t * p.y);
-            let g = (side * (h[0] - (zeta + t * p.z))).max(zero);
+            let rise = side * (h[0] - (zeta + t * p.z));
+            let over = taken > c(SAFE_STEPS) && rise < c(-STEPPED_OVER) && before >= c(-STEPPED_OVER);
+            let g = rise.max(zero);
             let slope = side * (h[1] * p.x + h[2] * p.y - p.z);
             // Leaving or along the surface the gap counts as the rounding of a height at least, and for a ray that still
             // runs in the surface as more, up to 1e-4 mm, so that it gets on.
-            let least = (c::<T>(1e-6) + c::<T>(4e-9) * c(f64::from(n * n))).min(c(1e-4));
+            let least = (c::<T>(1e-6) + c::<T>(4e-9) * taken * taken).min(c(1e-4));
             let gap = if slope < zero { g } else { g.max(least) };
             let root = (slope * slope + two * k * gap).sqrt();
             let step = if slope < zero { two * gap / (root - slope) } else { (root + slope) / k };
             // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k step.
             let straight = k * step < c(1e-5) && k * step * step < c(1e-8);
-            if slope < zero && (step < c(1e-5) || straight) {
+            if slope < zero && !over && (step < c(1e-5) || straight) {
                 self.field_slope = [h[1], h[2]];
                 return t + step;
             }
-            t = t + step.max(c(1e-7));
+            if over {
+                (last, taken) = (-last, zero);
+            } else {
+                last = step.max(longer * (taken - c(SAFE_STEPS))).max(c(1e-7));
+                (before, taken) = (rise, taken + T::one());
+            }
+            t = t + last;
             let z = zeta + t * p.z;
             if (near - z) * side > zero && p.z * side <= zero {
                 return far();

@@ -32,6 +32,8 @@ pub enum Entry {
     Camera(CameraMode),
     /// Photons.
     Photons(PhotonMode),
+    /// Rays that start where they are told: a look into the tracer.
+    Probe,
 }
 
 /// The WGSL text of a kernel.
@@ -68,7 +70,7 @@ pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> String {
         });
         pieces.push(match entry {
             Entry::Camera(_) => piece!("lib/touch_camera"),
-            Entry::Photons(_) => piece!("lib/touch_photons"),
+            Entry::Photons(_) | Entry::Probe => piece!("lib/touch_photons"),
         });
     } else {
         pieces.push(piece!("lib/touch_none"));
@@ -76,6 +78,7 @@ pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> String {
     pieces.push(match entry {
         Entry::Camera(_) => piece!("entry/camera"),
         Entry::Photons(_) => piece!("entry/photons"),
+        Entry::Probe => piece!("entry/probe"),
     });
     pieces.concat()
 }
@@ -181,6 +184,7 @@ pub fn constants(kernel: &Kernel, entry: Entry, limits: Limits) -> Vec<(&'static
             ("SPLATTED", mode == PhotonMode::Splat),
             ("AIMED", kernel.aimed && mode != PhotonMode::Ledger),
         ]),
+        Entry::Probe => constants.extend([("MAPPED", false), ("SPLATTED", false)]),
     }
     let mut constants: Vec<_> = constants.into_iter().map(|(name, on)| (name, f64::from(u8::from(on)))).collect();
     let limits = [

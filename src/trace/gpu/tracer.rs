@@ -153,6 +153,7 @@ impl GpuTracer {
             entry_point: Some(match entry {
                 Entry::Camera(_) => "camera",
                 Entry::Photons(_) => "photons",
+                Entry::Probe => "probe",
             }),
             compilation_options: wgpu::PipelineCompilationOptions {
                 constants: &constants,
@@ -192,7 +193,7 @@ impl GpuTracer {
                     out.push((7, &self.exitance, read));
                 }
             }
-            Entry::Photons(_) => {
+            Entry::Photons(_) | Entry::Probe => {
                 out.push((12, &self.ledger, write));
                 if self.kernel.touched {
                     out.push((6, &self.deposits, write));
@@ -298,6 +299,12 @@ impl GpuTracer {
             self.dispatch(entry, run, threads)?;
         }
         Ok(())
+    }
+
+    /// Sends the rays that lie in the LEDs' tables through the probe; [`Self::record_events`] makes room for what they come to.
+    pub fn probe(&mut self, seed: u32, rays: u32) -> Result<(), TraceError> {
+        self.prepare(Entry::Probe)?;
+        self.dispatch(Entry::Probe, layout::Run::of(seed, [0, rays], [0, 1]), rays)
     }
 
     pub(in crate::trace) fn read_photons(
