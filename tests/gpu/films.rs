@@ -6,6 +6,7 @@ use tirtouch::film::{BlockAccumulator, Comparison, Film, compare};
 use tirtouch::scene::Integrator;
 use tirtouch::trace::backend::CpuTracer;
 use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
+use tirtouch::trace::exitance::TouchedFace;
 use tirtouch::trace::gpu::GpuTracer;
 use tirtouch::trace::plan::Method;
 use tirtouch::trace::render::REPLICATES;
@@ -28,12 +29,26 @@ pub fn film(mut backend: Backend, model: &Model<f64>, method: Method, seed: u32,
     let mut sum = BlockAccumulator::new(columns, rows);
     let (pacer, totals) = (Pacer::default(), Totals::default());
     let mut batch = Batch { model, backend: &mut backend, method, seed, pacer, totals };
+    let maps = if method == Method::Map { smoothed_maps(&mut batch, work) } else { Vec::new() };
     for index in 0..REPLICATES {
-        let replicate = batch.replicate(index, work, &mut |_, _| true).unwrap();
-        sum.add(&replicate).unwrap();
+        let replicate = match maps.get(index as usize) {
+            Some(texels) => batch.mapped(index, work, texels, &mut |_, _| true),
+            None => batch.replicate(index, work, &mut |_, _| true),
+        };
+        sum.add(&replicate.unwrap()).unwrap();
     }
     assert_eq!((batch.totals.lost(), batch.totals.fates.lost), (0, 0));
     sum.finish()
+}
+
+/// The maps of all replicates, smoothed as `render` does.
+fn smoothed_maps(batch: &mut Batch, work: Work) -> Vec<Vec<[f64; 4]>> {
+    let face = TouchedFace::new(batch.model);
+    let lights: Vec<_> =
+        (0..REPLICATES).map(|k| batch.contact_light(k, work, &face, &mut |_, _| true).unwrap()).collect();
+    let smoothing = face.choose(&lights);
+    println!("{smoothing:?}");
+    face.texels(&lights, smoothing)
 }
 
 /// The tests that failed, for a message.

@@ -1,8 +1,13 @@
 //! The scenes of the tests: every preset, and variants for the pieces of the kernels that no preset needs.
 
 use std::path::{Path, PathBuf};
-use tirtouch::scene::{self, Inner, Lens, LoadedScene, Normals, PRESETS, Pattern, Roughness, Shape, Walls};
-use tirtouch::surface::{contact_map, surface};
+use std::sync::{Mutex, Once};
+use tirtouch::mechanics::from_scene::press_setup;
+use tirtouch::mechanics::{self, press::PressSettings};
+use tirtouch::scene::{
+    self, Inner, Lens, LoadedScene, Normals, PRESETS, Pattern, Press, Roughness, Scene, Shape, Walls,
+};
+use tirtouch::surface::{ContactMap, Surface, contact_map, pressed_contact, pressed_surface, surface};
 use tirtouch::trace::Model;
 
 /// A scene by name.
@@ -37,31 +42,61 @@ impl Case {
 }
 
 pub fn model(loaded: &LoadedScene) -> Model<f64> {
-    Model::new(loaded, &surface(loaded).unwrap(), contact_map(loaded).unwrap()).unwrap()
+    let (surface, contact) = match loaded.scene.press {
+        Some(_) => pressed(loaded),
+        None => (surface(loaded).unwrap(), contact_map(loaded).unwrap()),
+    };
+    Model::new(loaded, &surface, contact).unwrap()
+}
+
+type Shapes = (Surface, Option<ContactMap>);
+
+/// What a press leaves at its last load. Scenes that differ in their light alone share one.
+fn pressed(loaded: &LoadedScene) -> Shapes {
+    static PRESSES: Mutex<Vec<(String, Shapes)>> = Mutex::new(Vec::new());
+    let Scene { stack, phantom, press, touch, .. } = &loaded.scene;
+    let key = format!("{stack:?} {phantom:?} {press:?} {touch:?} {}", loaded.scene.render.height_field_points);
+    let mut presses = PRESSES.lock().unwrap();
+    if let Some((_, shapes)) = presses.iter().find(|(known, _)| *known == key) {
+        return shapes.clone();
+    }
+    let settings = PressSettings { estimate_error: false };
+    let done = mechanics::press::press(&press_setup(loaded).unwrap(), settings, &mut |_| true).unwrap();
+    let step = done.steps.last().unwrap();
+    let shapes = (pressed_surface(loaded, &done, step).unwrap(), pressed_contact(loaded, &done, step));
+    presses.push((key, shapes.clone()));
+    shapes
 }
 
 pub fn presets() -> Vec<Case> {
-    // Those with a press differ from `press-hertz` only in where the pressure comes from.
+    // Of those with a press one is among the variants, with coarse elements.
     PRESETS.iter().map(|(name, _)| Case::preset(name)).filter(|case| case.loaded.scene.press.is_none()).collect()
 }
 
-/// What the presets leave out: height fields of both kinds, a mesh, mirrors, a lens, a tabulated LED, contact on a deformed face.
+/// What the presets leave out: height fields of both kinds, a mesh, mirrors, a lens, a tabulated LED, contact on a deformed face and
+/// on a mesh, a press.
 pub fn variants() -> Vec<Case> {
     let dent = Shape::GaussianDent { depth_mm: 1.0, sigma_mm: 1.5, center_mm: [0.5, -1.0] };
-    let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    write_files();
     vec![
         Case::variant("gaussian-dent", "dent-cap", |s| {
             s.touch.shape = dent.clone();
             s.touch.inner = Inner::Follow;
         }),
         Case::variant("height-map", "dent-cap", |s| {
-            std::fs::write(tmp.join("dent.csv"), dent_csv()).unwrap();
             s.touch.shape = Shape::HeightMap { file: "dent.csv".into(), scale_mm: 1.0 };
             s.touch.inner = Inner::Follow;
         }),
         Case::variant("dent-contact", "press-hertz", |s| s.touch.shape = dent.clone()),
+        Case::variant("mesh-contact", "press-hertz", |s| {
+            s.touch.shape = Shape::Mesh { file: "dent.obj".into(), normals: Normals::Smooth };
+        }),
+        // Coarse finite elements: half a second.
+        Case::variant("pressed", "phantom-size-8mm", |s| {
+            let press = s.press.take().unwrap();
+            s.press = Some(Press { depths_mm: Some(vec![2.0]), resolution: 0.5, ..press });
+        }),
         Case::variant("mesh-dent", "dent-cap", |s| {
-            std::fs::write(tmp.join("dent.obj"), dent_obj()).unwrap();
             s.touch.shape = Shape::Mesh { file: "dent.obj".into(), normals: Normals::Smooth };
         }),
         Case::variant("mirror-walls", "contact-disc", |s| s.stack.walls = Walls::Mirror { reflectance: 0.95 }),
@@ -70,7 +105,6 @@ pub fn variants() -> Vec<Case> {
             s.camera.sensor.f_number = 1.4;
         }),
         Case::variant("ies-led", "dent-cap", |s| {
-            std::fs::write(tmp.join("led.ies"), LED_IES).unwrap();
             s.led[0].pattern = Pattern::Ies { file: "led.ies".into() };
         }),
         Case::variant("thin-layers", "flat-bonded", |s| {
@@ -94,6 +128,16 @@ pub fn variants() -> Vec<Case> {
             ];
         }),
     ]
+}
+
+/// The files of the variants, once: tests run at the same time, and one must not read what another is writing.
+fn write_files() {
+    static WRITTEN: Once = Once::new();
+    WRITTEN.call_once(|| {
+        for (name, text) in [("dent.csv", dent_csv()), ("dent.obj", dent_obj()), ("led.ies", LED_IES.into())] {
+            std::fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join(name), text).unwrap();
+        }
+    });
 }
 
 /// A dent that is not round: 97 x 65 heights over 30 x 30 mm.

@@ -1,6 +1,8 @@
 //! The optical bench: sensors put together from presets, light sent through them, and the statistics of what arrives.
 
 use rayon::prelude::*;
+use tirtouch::mechanics::from_scene::press_setup;
+use tirtouch::mechanics::press::{PressSettings, press};
 use tirtouch::scene::{self, Layer, LoadedScene};
 use tirtouch::surface;
 use tirtouch::trace::cpu::vec3::{V3, v3};
@@ -24,8 +26,18 @@ pub fn stack(layers: &[[f64; 2]]) -> LoadedScene {
 
 /// What the tracers see of a scene.
 pub fn model(loaded: &LoadedScene) -> Model<f64> {
-    let surface = surface::surface(loaded).unwrap();
-    let contact = surface::contact_map(loaded).unwrap();
+    let (surface, contact) = match loaded.scene.press {
+        Some(_) => {
+            let settings = PressSettings { estimate_error: false };
+            let pressed = press(&press_setup(loaded).unwrap(), settings, &mut |_| true).unwrap();
+            let last = pressed.steps.last().unwrap();
+            (
+                surface::pressed_surface(loaded, &pressed, last).unwrap(),
+                surface::pressed_contact(loaded, &pressed, last),
+            )
+        }
+        None => (surface::surface(loaded).unwrap(), surface::contact_map(loaded).unwrap()),
+    };
     Model::new(loaded, &surface, contact).unwrap()
 }
 
