@@ -2,7 +2,7 @@
 //   lamp_wall         as `path.wall`
 //   lamp_air          1: in the surround before a clear wall, at a distance of lamp_gap; 0: bonded
 //   lamp_along        centre along y on the x walls and along x on the y walls; lamp_height, lamp_radius
-//   lamp_radiance     on the axis, relative to the film's unit
+//   lamp_radiance     on the axis, or the largest of its table, relative to the film's unit
 //   lamp_exponent     intensity goes as its power of the cosine, up to lamp_cos_cutoff
 //   lamp_launch       1 - cos_cutoff^(exponent + 1)
 //   lamp_table        first entry of its intensity table, or NO_TABLE

@@ -9,7 +9,11 @@ fn deposit(at: u32, v: f32) {
     let f = to_fixed(v);
     let old = atomicAdd(&deposits[2u * at], f.low);
     let carry = select(0u, 1u, old + f.low < old);
-    if (f.high + carry != 0u) { atomicAdd(&deposits[2u * at + 1u], f.high + carry); }
+    if (f.high == 0u && carry == 0u) { return; }
+    // Whoever wraps the high word makes it FULL afterwards, so it is in the end.
+    let more = f.high + select(carry, 0u, f.high == FULL);
+    let high = atomicAdd(&deposits[2u * at + 1u], more);
+    if (high + more < high || f.high == FULL) { atomicMax(&deposits[2u * at + 1u], FULL); }
 }
 
 fn texel(xy: vec2f) -> u32 {

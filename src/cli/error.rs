@@ -183,7 +183,9 @@ impl From<TraceError> for Failure {
         match error {
             TraceError::Unsuited(_) => Self::usage(error.to_string()),
             TraceError::Stopped => Self::cancelled(),
-            TraceError::NoAdapter
+            TraceError::NotFinite { .. } => Self::input(error.to_string()),
+            TraceError::Overflow { .. }
+            | TraceError::NoAdapter
             | TraceError::DeviceLost(_)
             | TraceError::Memory { .. }
             | TraceError::Driver(_)

@@ -1,6 +1,7 @@
 //! The two backends behind one face: chunks of camera paths and of photons.
 
 use super::cpu::{self, Limits, book, camera::View, photons::Deposits};
+use super::finite;
 use super::gpu::GpuTracer;
 use super::gpu::assemble::Entry;
 use super::model::{Model, Real};
@@ -49,6 +50,28 @@ pub enum TraceError {
         what: &'static str,
         /// Share of it.
         share: f64,
+    },
+    /// Sums of light that do not hold it.
+    #[error("{full} of {of} {what} were given more light than their sums hold; the image cannot be trusted")]
+    Overflow {
+        /// Pixels, or cells of the map.
+        what: &'static str,
+        /// Sums that are full.
+        full: usize,
+        /// All of them.
+        of: usize,
+    },
+    /// A number of the model that is none.
+    #[error(
+        "{what} comes to {value} in the tracer's {precision}: it must be finite; check what the scene gives for it"
+    )]
+    NotFinite {
+        /// Which number.
+        what: String,
+        /// What it is.
+        value: f64,
+        /// `f32` or `f64`.
+        precision: &'static str,
     },
     /// The driver ended loops before their time.
     #[error("the GPU driver ended loops early: {finished} of {sent} paths were traced; use --backend cpu")]
@@ -170,6 +193,10 @@ impl Backend {
         precision: Precision,
         model: &Model<f64>,
     ) -> Result<(Self, Option<String>), TraceError> {
+        match precision {
+            Precision::F32 => finite::check(&model.cast::<f32>(), "f32")?,
+            Precision::F64 => finite::check(model, "f64")?,
+        }
         let cpu = || match precision {
             Precision::F32 => Self::Cpu32(Box::new(CpuTracer::new(model.cast()))),
             Precision::F64 => Self::Cpu64(Box::new(CpuTracer::new(model.cast()))),

@@ -241,6 +241,7 @@ impl Batch<'_> {
             }
         }
         let (sums, fates) = self.backend.read_film()?;
+        held("pixels", &sums)?;
         self.totals.paths += u64::from(pixels) * u64::from(spp);
         self.totals.segments += fates.segments;
         self.totals.fates = self.totals.fates.and(fates);
@@ -276,6 +277,7 @@ impl Batch<'_> {
             }
         }
         let (tally, deposits) = self.backend.read_photons(mode)?;
+        held(if mode == PhotonMode::Splat { "pixels" } else { "cells of the map" }, &deposits)?;
         let sent = u64::from(threads) * u64::from(each);
         debug_assert_eq!(tally[book::EMITTED], (sent as f64 * UNIT) as i64);
         self.totals.photons += sent;
@@ -289,6 +291,12 @@ impl Batch<'_> {
         self.totals.tally.iter_mut().zip(tally).for_each(|(sum, v)| *sum += v);
         Ok((deposits, sent as f64))
     }
+}
+
+/// Refuses sums that are full: light is missing from them.
+fn held(what: &'static str, sums: &[u64]) -> Result<(), TraceError> {
+    let full = sums.iter().filter(|sum| **sum >> 32 == u64::from(u32::MAX)).count();
+    if full == 0 { Ok(()) } else { Err(TraceError::Overflow { what, full, of: sums.len() }) }
 }
 
 /// Seed of a replicate's stream.

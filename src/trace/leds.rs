@@ -23,7 +23,7 @@ pub struct Led<T> {
     pub radius: T,
     /// Distance to the wall, mm.
     pub gap: T,
-    /// Radiance on the axis (or the mean of a table), in film units.
+    /// Radiance on the axis, or the largest of a table, in film units.
     pub radiance: T,
     /// Intensity goes as this power of the cosine.
     pub exponent: T,
@@ -122,7 +122,9 @@ pub(super) fn aim(leds: &mut [Led<f64>], half_size: [f64; 2], center: [f64; 2], 
         before = led.cumulative;
         led.cumulative_aimed = sum;
     }
-    leds.iter_mut().for_each(|led| led.cumulative_aimed /= sum);
+    if sum > 0.0 {
+        leds.iter_mut().for_each(|led| led.cumulative_aimed /= sum);
+    }
     sum
 }
 
@@ -137,7 +139,9 @@ fn one(
     let area = PI * radius * radius;
     let cos_cutoff = led.cutoff_half_angle_deg.map_or(0.0, |a| a.to_radians().cos());
     let mut table = None;
-    // Power per unit of radiance on the axis and of area.
+    // Largest radiance over that on the axis.
+    let mut peak = Some(1.0);
+    // Power per unit of the largest radiance and of area.
     let (exponent, launch, projected) = match &led.pattern {
         Pattern::Lambertian => cosine_power(1.0, cos_cutoff),
         Pattern::CosinePower { half_power_deg } => {
@@ -145,25 +149,28 @@ fn one(
         }
         Pattern::Ies { file } => {
             let path = loaded.resolve(file);
-            let wrong = |message: String| SurfaceError::File {
-                key: format!("led[{k}].pattern.file"),
+            let wrong = |key: &str, message: String| SurfaceError::File {
+                key: format!("led[{k}].{key}"),
                 file: path.clone(),
                 message,
             };
-            let read = read_ies(&path).map_err(|e| wrong(e.to_string()))?;
+            let read = read_ies(&path).map_err(|e| wrong("pattern.file", e.to_string()))?;
             table = Some(tables.len());
-            let (entries, projected) = tabulate(&read, cos_cutoff);
-            if projected <= 0.0 {
-                return Err(wrong("emits nothing inside the cut-off cone".into()));
+            let lamp = tabulate(&read, cos_cutoff)
+                .ok_or_else(|| wrong("pattern.file", "emits nothing inside the cut-off cone".into()))?;
+            if led.radiance_w_per_m2_sr.is_some() && lamp.peak.is_none() {
+                let message = "is dark along its normal, so its radiance there says nothing: give power_mw";
+                return Err(wrong("radiance_w_per_m2_sr", message.into()));
             }
-            tables.extend(entries);
-            (1.0, 1.0, projected)
+            peak = lamp.peak;
+            tables.extend(lamp.entries);
+            (1.0, 1.0, lamp.projected)
         }
     };
     let per_radiance = projected * area;
     // 1 mW = 1e-3 W, 1 m^2 = 1e6 mm^2: radiance in W/(m^2 sr) times mm^2 is 1e-6 W.
     let radiance = match (led.radiance_w_per_m2_sr, led.power_mw) {
-        (Some(l), _) => l,
+        (Some(l), _) => l * peak.unwrap_or(1.0),
         (None, Some(p)) => p * 1e3 / per_radiance,
         (None, None) => 0.0,
     };
@@ -201,8 +208,21 @@ fn cosine_power(m: f64, cos_cutoff: f64) -> (f64, f64, f64) {
     (m, launch, TAU * launch / (m + 1.0))
 }
 
-/// Radiance relative to that on the axis, and cumulative power, over cells of equal projected solid angle.
-fn tabulate(ies: &IesTable, cos_cutoff: f64) -> (Vec<[f64; 2]>, f64) {
+/// A lamp's table as the tracers hold it.
+struct Tabulated {
+    /// Radiance relative to the largest, and cumulative power, over cells of equal projected solid angle.
+    entries: Vec<[f64; 2]>,
+    /// Power per unit of the largest radiance and of area, sr.
+    projected: f64,
+    /// Largest radiance over that on the axis; `None` where the axis is dark.
+    peak: Option<f64>,
+}
+
+/// Tabulates a lamp; `None` where it emits nothing inside the cut-off.
+///
+/// Radiances are relative to the largest, not to that on the axis: the film's sums hold so many of the brightest, and a lamp that is
+/// dim or dark on its axis is as good as any.
+fn tabulate(ies: &IesTable, cos_cutoff: f64) -> Option<Tabulated> {
     let edge = TABLE_EDGE as f64;
     let cell = |k: usize| {
         let sin_sq = ((k / TABLE_EDGE) as f64 + 0.5) / edge;
@@ -211,18 +231,24 @@ fn tabulate(ies: &IesTable, cos_cutoff: f64) -> (Vec<[f64; 2]>, f64) {
         if cos <= cos_cutoff { 0.0 } else { ies.intensity(sin_sq.sqrt().asin().to_degrees(), phi) / cos }
     };
     let values: Vec<f64> = (0..TABLE_EDGE * TABLE_EDGE).map(cell).collect();
-    let axis = ies.intensity(0.0, 0.0).max(f64::MIN_POSITIVE);
-    let total: f64 = values.iter().sum();
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let shares = || values.iter().map(|v| v / largest);
+    let total: f64 = shares().sum();
+    if !(largest > 0.0 && total > 0.0) {
+        return None;
+    }
+    let axis = ies.intensity(0.0, 0.0) / largest;
     let mut sum = 0.0;
-    let entries = values
-        .iter()
-        .map(|v| {
-            sum += v;
-            [v / axis, if total > 0.0 { sum / total } else { 1.0 }]
-        })
-        .collect();
+    let entries = shares().map(|share| {
+        sum += share;
+        [share, sum / total]
+    });
     // The projected solid angle of the hemisphere is pi.
-    (entries, PI * total / axis / (edge * edge))
+    Some(Tabulated {
+        entries: entries.collect(),
+        projected: PI * total / (edge * edge),
+        peak: (axis > 0.0).then(|| axis.recip()),
+    })
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ pub mod backend;
 pub mod batch;
 pub mod cpu;
 pub mod exitance;
+mod finite;
 pub mod gains;
 pub mod gpu;
 pub mod kernel;

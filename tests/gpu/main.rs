@@ -16,6 +16,7 @@ mod extremes;
 mod fates;
 mod films;
 mod golden;
+mod lamps;
 mod leaks;
 mod rounding;
 mod scenes;

@@ -195,7 +195,9 @@ fn a_tabulated_lamp_launches_what_its_table_says_and_is_seen_as_bright() {
     let sum = projected(&mut path, 400) * PI * 1.5 * 1.5 * model.unit_radiance;
     close("power found by camera paths", sum / 2e3, 1.0, 2e-3);
     for (theta, phi) in [(20.0, 0.0), (40.0, 0.0), (40.0, 90.0), (40.0, 180.0), (60.0, 45.0)] {
-        let exact = table.intensity(theta, phi) / table.intensity(0.0, 0.0);
+        // All of the intensity, its integral over the directions, is 2 mW off the disc's area.
+        let whole = PI * total / 512f64.powi(2) * PI * 1.5 * 1.5;
+        let exact = table.intensity(theta, phi) * 2e3 / whole / model.unit_radiance;
         let found = intensity(&mut path, f64::to_radians(theta), f64::to_radians(phi));
         close(&format!("intensity at {theta}, {phi}"), found, exact, 0.03);
     }

@@ -39,7 +39,7 @@ pub fn add<T: Real>(
             let mut path = Path::new(model, limits);
             for s in first_sample..first_sample + samples {
                 let light = path.camera_path(view, seed, (first_pixel + k) as u32, s);
-                *sum = sum.wrapping_add((light.wide() * FILM_UNIT) as u64);
+                *sum = sum.saturating_add((light.wide() * FILM_UNIT) as u64);
             }
             Fates::of(&path.tally)
         })

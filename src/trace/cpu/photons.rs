@@ -87,7 +87,12 @@ impl<T: Real> Path<'_, T> {
 
     fn deposit(&self, at: usize, v: T) {
         if let Some(cell) = self.deposits.and_then(|d| d.cells.get(at)) {
-            cell.fetch_add((v.wide() * DEPOSIT_UNIT) as u64, Ordering::Relaxed);
+            let light = (v.wide() * DEPOSIT_UNIT) as u64;
+            let old = cell.fetch_add(light, Ordering::Relaxed);
+            // Whoever wraps the sum fills it afterwards, so it is full in the end.
+            if old.checked_add(light).is_none() {
+                cell.fetch_max(u64::MAX, Ordering::Relaxed);
+            }
         }
     }
 

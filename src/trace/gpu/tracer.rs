@@ -6,6 +6,7 @@ use super::layout;
 use crate::trace::TraceError;
 use crate::trace::backend::{CameraMode, Fates, PhotonMode, deposit_cells};
 use crate::trace::cpu::{Limits, UNIT, book};
+use crate::trace::finite;
 use crate::trace::kernel::{Kernel, ShapePiece};
 use crate::trace::model::Model;
 use std::collections::HashMap;
@@ -53,6 +54,7 @@ impl GpuTracer {
     /// Loads a model on an open device.
     pub fn on(gpu: Gpu, model: &Model<f64>) -> Result<Self, TraceError> {
         let model: Model<f32> = model.cast();
+        finite::check(&model, "f32")?;
         let kernel = Kernel::of(&model);
         let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
         let (surface_a, surface_b) = layout::shape(&model);
