@@ -39,5 +39,6 @@ pub mod optics;
 pub mod report;
 pub mod scene;
 pub mod stability;
+pub mod streams;
 pub mod surface;
 pub mod trace;

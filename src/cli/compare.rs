@@ -36,7 +36,9 @@ impl Compare {
         if let (Some(first), Some(second)) = (&provenance_a, &provenance_b) {
             check_units(&self.b, first, second)?;
             if !self.talk.quiet && shares_random_numbers(first, second) {
-                note("both images have the same scene, seed and integrator: equal noise hides differences");
+                note(
+                    "both images have the same random numbers (scene, seed and integrator): equal noise hides differences",
+                );
             }
         }
         let comparison = self.compare(&a, &b)?;
@@ -91,7 +93,11 @@ fn check_units(file: &Path, first: &Provenance, second: &Provenance) -> Result<(
 }
 
 fn shares_random_numbers(first: &Provenance, second: &Provenance) -> bool {
-    let origin = |image: &Provenance| (image.seed, image.scene_sha256.clone(), image.integrator.clone());
+    // Images that do not name their stream have those of their seed and scene.
+    let origin = |image: &Provenance| match image.stream {
+        Some(stream) => (stream, String::new(), image.integrator.clone()),
+        None => (image.seed, image.scene_sha256.clone(), image.integrator.clone()),
+    };
     origin(first) == origin(second)
 }
 

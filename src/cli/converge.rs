@@ -47,7 +47,7 @@ pub(super) struct Converge {
     /// Go on with the rungs that the folder does not have yet.
     #[arg(long)]
     resume: bool,
-    /// Seed of the reference; the rungs take the ones after it [default: the scene's].
+    /// Seed of all random numbers: the reference and each run of the rungs draw their own [default: the scene's].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u32>,
     /// Where to compute.

@@ -9,6 +9,7 @@ use crate::camera::expose;
 use crate::estimate::{Calibration, Estimates, GreyImage, PaperEstimate, Settings, Stiffness, estimate, stiffness};
 use crate::image_io::read_radiance;
 use crate::scene::Scene;
+use crate::streams::Streams;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -69,7 +70,8 @@ impl Estimate {
         let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
         if let (true, Some(scene)) = (is_exr, camera) {
             let (film, _) = read_radiance(path)?;
-            let frame = expose(&film, &scene.camera, scene.light.wavelength_nm, scene.render.seed)
+            let streams = Streams::of_image(scene.render.seed, &film.mean);
+            let frame = expose(&film, &scene.camera, scene.light.wavelength_nm, streams.sensor())
                 .map_err(|error| Failure::input(format!("{}: {error}", path.display())).in_file(path))?;
             return Ok(GreyImage::from_frame(&frame)?);
         }

@@ -29,6 +29,9 @@ pub struct Common {
     /// Seed of all random numbers [default: the scene's].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub seed: Option<u32>,
+    /// Draw the same random numbers for every image of this seed: loads, baseline, other scenes.
+    #[arg(long)]
+    pub common_random_numbers: bool,
     /// Where to compute.
     #[arg(long, value_enum, default_value_t)]
     pub backend: Backend,

@@ -5,6 +5,7 @@ use super::job::Job;
 use super::regimes::regimes;
 use super::{Failure, Outcome, Progress, Talk, cancel, print};
 use crate::optics::{acceptance_deg, critical_deg};
+use crate::streams::{Role, Streams};
 use crate::surface::Surface;
 use crate::trace::gains::{Gain, gains};
 use crate::trace::{Backend, BackendChoice, Kernel, Method, Plan, Precision, Settings};
@@ -83,8 +84,9 @@ impl Inspect {
         camera.size = camera.size.map(|pixels| (pixels / shrink).max(1));
         camera.pixel_tan *= f64::from(shrink);
         let settings = Settings { spp, photons: None, ..job.settings.clone() };
+        let other = Streams { role: Role::Timing, ..job.streams.clone() };
         let progress = Progress::new(self.talk.quiet);
-        Ok(gains(&model, &settings, self.rounds, &mut |stage| {
+        Ok(gains(&model, &settings, other.light(), self.rounds, &mut |stage| {
             progress.observe(stage.done, stage.what);
             !cancel::requested()
         })?)

@@ -84,7 +84,7 @@ pub(super) fn whole_job(
     Ok(PathBuf::from(done.out))
 }
 
-/// The frame of the same press without inclusions, with the next seed; written as baseline.png.
+/// The frame of the same press without inclusions, with random numbers of its own; written as baseline.png.
 fn baseline(job: &Job, common: &Common, folder: &OutputFolder) -> Result<GreyImage, Failure> {
     let baseline = job.baseline(common.talk.quiet)?;
     let shot = Shot::take(&baseline, common.talk.quiet)?;

@@ -23,6 +23,7 @@ pub(super) struct Shot<'a> {
     pub outcome: Outcome,
     pub frame: Frame,
     pub mm_per_pixel: f64,
+    /// The user's.
     pub seed: u32,
     /// Time to draw and write its files, seconds; 0 before.
     files_seconds: Cell<f64>,
@@ -48,8 +49,8 @@ impl<'a> Shot<'a> {
         // What is wrong with the exposure must not show after an hour of tracing.
         job.electrons(vec![0.0; width as usize * height as usize])?;
         let outcome = job.trace(quiet)?;
-        let (scene, seed) = (job.scene(), job.settings.seed);
-        let frame = expose(&outcome.film, &scene.camera, scene.light.wavelength_nm, seed)?;
+        let (scene, seed) = (job.scene(), job.streams.seed);
+        let frame = expose(&outcome.film, &scene.camera, scene.light.wavelength_nm, job.streams.sensor())?;
         let mm_per_pixel = job.view()?.mm_per_pixel();
         Ok(Self { job, outcome, frame, mm_per_pixel, seed, files_seconds: Cell::new(0.0) })
     }
@@ -110,6 +111,7 @@ impl<'a> Shot<'a> {
             scene_name: self.job.scene().name.clone(),
             scene_sha256: self.job.loaded.sha256.clone(),
             seed: self.seed,
+            stream: Some(self.job.settings.seed),
             spp: u32::try_from(outcome.spp).unwrap_or(u32::MAX),
             photons: outcome.photons,
             integrator: outcome.plan.method.name().into(),
@@ -160,6 +162,8 @@ impl<'a> Shot<'a> {
             "integrator": outcome.plan.method.name(),
             "why": outcome.plan.why,
             "seed": self.seed,
+            "stream": self.job.settings.seed,
+            "random_numbers": self.job.streams.sharing.name(),
             "spp": outcome.spp,
             "replicates": outcome.film.replicates,
             "paths": outcome.paths,

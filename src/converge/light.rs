@@ -4,6 +4,7 @@ use super::{ErrorEstimate, Rung, is_lit, is_soft, square_error};
 use crate::film::Film;
 use crate::mechanics::press::{PressStep, Pressed};
 use crate::scene::{Integrator, LoadedScene};
+use crate::streams::{Role, Streams};
 use crate::surface::{SurfaceError, contact_map, pressed_contact, pressed_surface, surface};
 use crate::trace::{
     BackendChoice, Kernel, Method, Model, Outcome, Plan, Precision, Settings, Stage, TraceError, render,
@@ -209,7 +210,7 @@ impl Subject<'_> {
     fn render(
         &self,
         choice: &Choice,
-        seed: u32,
+        role: Role,
         observe: &mut dyn FnMut(Stage) -> bool,
     ) -> Result<Outcome, LightError> {
         let model = self.model(choice)?;
@@ -221,7 +222,7 @@ impl Subject<'_> {
             photons: Some((pixels * u64::from(choice.spp)).max(1 << 14)),
             seconds: None,
             target_error: None,
-            seed,
+            seed: Streams::new(self.settings.seed, &*self.loaded.sha256, role).light(),
             backend: choice.backend.0,
             precision: choice.backend.1,
         };
@@ -234,10 +235,10 @@ impl Subject<'_> {
         choice: &Choice,
         observe: &mut dyn FnMut(Stage) -> bool,
     ) -> Result<Film, LightError> {
-        Ok(self.render(choice, self.settings.seed, observe)?.film)
+        Ok(self.render(choice, Role::Reference, observe)?.film)
     }
 
-    /// Renders a rung with seeds of its own and compares it: over the lit pixels, and where tissue touches over the softly
+    /// Renders a rung, each time with random numbers of its own, and compares it: over the lit pixels, and where tissue touches over the softly
     /// lit ones too. Empty where the reference is dark.
     pub fn measure(
         &self,
@@ -251,10 +252,8 @@ impl Subject<'_> {
         }
         let (mut films, mut seconds) = (Vec::new(), 0.0);
         for repeat in 0..self.repeats {
-            // Disjoint from the reference's seed, and the same for every rung: seeds are hashed with the replicate.
-            let seed = self.settings.seed.wrapping_add(1 + repeat);
             let done = f64::from(repeat) / f64::from(self.repeats);
-            let outcome = self.render(choice, seed, &mut |stage| {
+            let outcome = self.render(choice, Role::Rung(repeat), &mut |stage| {
                 observe(Stage { done: done + stage.done / f64::from(self.repeats), ..stage })
             })?;
             if outcome.film.mean.len() != reference.mean.len() {

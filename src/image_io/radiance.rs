@@ -24,6 +24,8 @@ pub struct Provenance {
     pub scene_sha256: String,
     /// Seed of the random numbers.
     pub seed: u32,
+    /// Seed of the tracer's stream, which that seed, the scene and what the image is for give.
+    pub stream: Option<u32>,
     /// Camera paths per pixel.
     pub spp: u32,
     /// Photons sent from the LEDs.
@@ -197,6 +199,7 @@ mod tests {
             scene_name: text("Fühler \u{1f600} \"x\""),
             scene_sha256: text("00ff"),
             seed: 7,
+            stream: Some(77),
             spp: 64,
             photons: 1_000_000,
             integrator: text("splat"),

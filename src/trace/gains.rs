@@ -44,17 +44,19 @@ struct Laden {
     settings: Settings,
 }
 
-/// Renders `model` with and without each piece that it leaves out, `rounds` times in turn. `observe` as for [`render()`].
+/// Renders `model` with and without each piece that it leaves out, `rounds` times in turn; with them by `other_seed`, since equal
+/// noise would hide differences. `observe` as for [`render()`].
 pub fn gains(
     model: &Model<f64>,
     settings: &Settings,
+    other_seed: u32,
     rounds: u32,
     observe: &mut dyn FnMut(Stage) -> bool,
 ) -> Result<Vec<Gain>, TraceError> {
     // Connections to the pinhole need flat, smooth stacks; what is loaded on may be neither.
     let integrator = if settings.integrator == Integrator::Splat { Integrator::Auto } else { settings.integrator };
     let settings = &Settings { integrator, ..settings.clone() };
-    let laden = laden(model, settings);
+    let laden = laden(model, &Settings { seed: other_seed, ..settings.clone() });
     let mut ratios = vec![Vec::new(); laden.len()];
     let mut films: Vec<Option<Film>> = vec![None; laden.len()];
     let mut plain = None;
@@ -91,11 +93,9 @@ pub fn gains(
     Ok(laden.into_iter().zip(ratios).zip(films).map(gain).collect())
 }
 
-/// The model with each thing that it leaves out, one at a time and all together. Another seed than that of the plain image:
-/// equal noise would hide differences.
+/// The model with each thing that it leaves out, one at a time and all together.
 fn laden(model: &Model<f64>, settings: &Settings) -> Vec<Laden> {
     let kernel = Kernel::of(model);
-    let settings = Settings { seed: settings.seed.wrapping_add(1), ..settings.clone() };
     type Load = fn(&mut Model<f64>, &mut Settings);
     let spare: [(&str, bool, Load); 11] = [
         ("height fields", kernel.shape == ShapePiece::Plane, |m, _| flat_fields(m)),
