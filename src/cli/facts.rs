@@ -40,7 +40,10 @@ const AREA_PIXELS: u32 = 16;
 /// Mean radiance with its error, or how dark a dark image is.
 pub(super) fn mean_radiance(shot: &Shot) -> String {
     let outcome = &shot.outcome;
-    match (shot.dark_bound(), outcome.relative_error) {
+    match (outcome.unseen.mean_below, outcome.relative_error) {
+        (Some(_), _) if outcome.unseen.known_dark.is_some() => {
+            format!("0: {}", outcome.unseen.known_dark.unwrap_or_default())
+        }
         (Some(bound), _) => {
             format!("0: no path found light (below {} W/(m^2 sr) with 95 % confidence)", figure(bound))
         }

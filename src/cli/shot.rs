@@ -5,7 +5,7 @@ use super::output::command_of_light;
 use super::side::side_picture;
 use super::{Failure, OutputFolder};
 use crate::camera::{Frame, expose};
-use crate::image_io::{Provenance, write_png_grey, write_radiance};
+use crate::image_io::{Provenance, write_png_grey, write_radiance_as};
 use crate::report::{ColorScale, Raster, false_color, relief};
 use crate::trace::Outcome;
 use crate::trace::batch::Times;
@@ -58,7 +58,9 @@ impl<'a> Shot<'a> {
     /// Writes radiance, camera image and pictures.
     pub fn write(&self, folder: &OutputFolder) -> Result<Pictures, Failure> {
         let start = Instant::now();
-        write_radiance(&folder.path("radiance.exr"), &self.outcome.film, &self.provenance())?;
+        let film = &self.outcome.film;
+        let variances = self.outcome.unseen.variances(film);
+        write_radiance_as(&folder.path("radiance.exr"), film, &variances, &self.provenance())?;
         self.write_frame(folder, "camera.png")?;
         let pictures = self.pictures()?;
         folder.write("radiance.svg", &pictures.radiance)?;
@@ -123,22 +125,6 @@ impl<'a> Shot<'a> {
         }
     }
 
-    /// Root-mean-square standard error over all pixels, W/(m^2 sr).
-    pub fn absolute_error(&self) -> f64 {
-        let film = &self.outcome.film;
-        let sum: f64 = film.variance.iter().map(|&v| f64::from(v)).sum();
-        (sum / film.variance.len().max(1) as f64).sqrt()
-    }
-
-    /// Where no path found light: what the mean radiance is below in 95 % of such cases, W/(m^2 sr).
-    ///
-    /// Nothing found in N independent tries leaves a chance of at most 3/N each (e^-3 = 0.05), and a path that finds
-    /// light brings at most the brightest LED's radiance.
-    pub fn dark_bound(&self) -> Option<f64> {
-        (self.outcome.mean_radiance == 0.0)
-            .then(|| 3.0 * self.job.model.unit_radiance / self.outcome.paths.max(1) as f64)
-    }
-
     /// What `--json` says of a render.
     pub fn json(&self) -> Map<String, Value> {
         let outcome = &self.outcome;
@@ -146,7 +132,8 @@ impl<'a> Shot<'a> {
             Some(error) => json!(error),
             None => json!({"undefined": "the image is dark; absolute_error and mean_radiance_below say how dark"}),
         };
-        let below = match self.dark_bound() {
+        let unseen = &outcome.unseen;
+        let below = match unseen.mean_below {
             Some(bound) => json!(bound),
             None => json!({"undefined": "the image is not dark"}),
         };
@@ -177,8 +164,9 @@ impl<'a> Shot<'a> {
             "mean_radiance": outcome.mean_radiance,
             "relative_error": relative,
             "block_errors": outcome.block_errors().into_iter().map(block).collect::<Vec<_>>(),
-            "absolute_error": self.absolute_error(),
+            "absolute_error": unseen.absolute_error(&outcome.film),
             "mean_radiance_below": below,
+            "known_dark": unseen.known_dark,
             "ledger": outcome.ledger,
             "camera": self.camera_json(),
         });

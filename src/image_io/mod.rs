@@ -18,4 +18,4 @@ pub use error::ImageError;
 pub use grey::{GreyImage, read_grey};
 pub use grid::{Grid, read_grid};
 pub use picture::{write_png_grey, write_png_rgb};
-pub use radiance::{Provenance, read_radiance, write_radiance};
+pub use radiance::{Provenance, read_radiance, write_radiance, write_radiance_as};

@@ -51,9 +51,22 @@ pub struct Provenance {
 /// # Errors
 /// When the film has no pixels, arrays that do not fit its size, or the file cannot be written.
 pub fn write_radiance(path: &Path, film: &Film, provenance: &Provenance) -> std::result::Result<(), ImageError> {
+    write_radiance_as(path, film, &film.variance, provenance)
+}
+
+/// Writes `film` with other variances in the file: of pixels without light, what bounds the light that was missed there.
+///
+/// # Errors
+/// As [`write_radiance`].
+pub fn write_radiance_as(
+    path: &Path,
+    film: &Film,
+    variances: &[f32],
+    provenance: &Provenance,
+) -> std::result::Result<(), ImageError> {
     let refused = |reason: String| ImageError::Unsupported { path: path.into(), reason };
     let pixels = film.width as usize * film.height as usize;
-    if pixels == 0 || film.mean.len() != pixels || film.variance.len() != pixels {
+    if pixels == 0 || film.mean.len() != pixels || variances.len() != pixels || film.variance.len() != pixels {
         return Err(refused("a film without pixels, or of another size than its arrays".into()));
     }
     limits::check_size(path, film.width.into(), film.height.into())?;
@@ -70,7 +83,7 @@ pub fn write_radiance(path: &Path, film: &Film, provenance: &Provenance) -> std:
     let text = Text::new_or_none(&ascii).ok_or_else(|| refused("provenance is not text".into()))?;
     let channel = |name: &str, values: &[f32]| AnyChannel::new(name, FlatSamples::F32(values.to_vec()));
     let channels =
-        AnyChannels::sort([channel("mean", &film.mean), channel("variance", &film.variance)].into_iter().collect());
+        AnyChannels::sort([channel("mean", &film.mean), channel("variance", variances)].into_iter().collect());
     let mut layer = Layer::new(
         (film.width as usize, film.height as usize),
         LayerAttributes::default(),
@@ -84,7 +97,7 @@ pub fn write_radiance(path: &Path, film: &Film, provenance: &Provenance) -> std:
     limits::write_file(path, bytes.get_ref())
 }
 
-/// Reads a film from a `radiance.exr`, or from a folder of `mean.exr` and `variance.exr` (variance of the mean), each of
+/// Reads a film, with the variances that its replicates had, from a `radiance.exr`, or from a folder of `mean.exr` and `variance.exr` (variance of the mean), each of
 /// one channel.
 ///
 /// # Errors
@@ -110,10 +123,13 @@ pub fn read_radiance(path: &Path) -> std::result::Result<(Film, Option<Provenanc
                     .map_err(|error| damaged(&format!("its `{PROVENANCE}` attribute: {error}")))?,
             ),
         };
-        let film = film(path, path, size, mean, variance)?;
+        let mut film = film(path, path, size, mean, variance)?;
         let Some(provenance) = provenance else {
             return Ok((film, None));
         };
+        // What stands for pixels without light bounds what was missed there; replicates of nothing have no variance.
+        let pixels = film.variance.iter_mut().zip(&film.mean);
+        pixels.filter(|(_, mean)| **mean == 0.0).for_each(|(variance, _)| *variance = 0.0);
         if provenance.inflation.iter().any(|entry| !(entry.factor.is_finite() && entry.factor >= 1.0)) {
             return Err(damaged("an inflation factor is below 1"));
         }

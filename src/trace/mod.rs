@@ -23,6 +23,7 @@ mod scene_model;
 mod smooth;
 mod spread;
 mod unfold;
+pub mod unseen;
 
 pub use backend::{Backend, BackendChoice, Precision, TraceError};
 pub use kernel::Kernel;

@@ -6,6 +6,7 @@ use super::exitance::{Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;
 use super::plan::{Method, Plan};
+use super::unseen::{Traced, Unseen};
 use crate::film::{BlockAccumulator, Film, Ledger};
 use crate::scene::{self, Integrator};
 use std::time::Instant;
@@ -22,8 +23,11 @@ const REPLICATE_PATHS: u32 = 1 << 15;
 const LEDGER_PHOTONS: u64 = 1 << 20;
 /// Camera paths to a photon where photons find only what unfolding leaves.
 const PATHS_TO_A_PHOTON: u64 = 8;
-/// Fewest photons for a map or a splat, unless asked for fewer.
-const LEAST_PHOTONS: u64 = 1 << 20;
+/// Fewest photons for a map or a splat, unless asked for fewer, however few the camera paths: with 2^20 of them an 8 x 8 block of
+/// `phantom-size-8mm` lies up to 10 % off its mirror image, and blocks of 16 x 16 pixels are known to 1 %; this halves both.
+const LEAST_PHOTONS: u64 = 1 << 22;
+/// The same where unfolding finds most light.
+const LEAST_PHOTONS_BESIDE_UNFOLDING: u64 = 1 << 20;
 /// Fewest photons of a replicate for an asked error or time.
 const FEW_PHOTONS: u64 = 1 << 12;
 /// Most camera paths per pixel for an asked error.
@@ -33,6 +37,12 @@ const SAFETY: f64 = 1.15;
 const MOST_SCALE: f64 = 8.0;
 /// Share of the photons in the time of a replicate, for the progress alone.
 const PHOTON_SHARE: f64 = 0.5;
+/// Edge of the blocks in which a shape is looked for, and that in images of few pixels.
+const AREA_PIXELS: u32 = 16;
+const FEW_AREA_PIXELS: u32 = 4;
+/// Largest error of such a block without a word. Where it is 1 %, blocks of 8 x 8 pixels differ by up to 10 % from their mirror images, and
+/// 1 % of contrast is 4 to 10 % of an inclusion's modulus (docs/PHYSICS.md, 11).
+const BLOTCHES: f64 = 0.0075;
 /// Largest share of photons, and of camera paths, that may get lost; a single one of few tells nothing about the share.
 const LOST_TOLERANCE: f64 = 1e-6;
 /// Largest share of the light, and of the camera paths' weight, that may be cut off by the cap on interactions.
@@ -45,7 +55,7 @@ pub struct Settings {
     pub integrator: Integrator,
     /// Camera paths per pixel; at least 16, rounded up to whole replicates, of which there are 16 to 31, or more of 2^15 paths.
     pub spp: u32,
-    /// Photons; `None`: as many as camera paths, an eighth of that where unfolding finds most light, and at least 2^20.
+    /// Photons; `None`: as many as camera paths, at least 2^22; an eighth of that where unfolding finds most light, at least 2^20.
     pub photons: Option<u64>,
     /// Budget of tracing time after compilation, seconds; replaces `spp`.
     pub seconds: Option<f64>,
@@ -119,6 +129,20 @@ pub struct Outcome {
     pub mean_radiance: f64,
     /// Root-mean-square standard error over the lit pixels over their mean; `None` for a dark image.
     pub relative_error: Option<f64>,
+    /// What may be where no light was found.
+    pub unseen: Unseen,
+}
+
+/// Says where blocks of a map or a splat are too noisy to be read: neighbours share photons, whose noise has shapes.
+fn blotches(method: Method, film: &Film) -> Option<String> {
+    let edge = if film.width.min(film.height) >= 2 * AREA_PIXELS { AREA_PIXELS } else { FEW_AREA_PIXELS };
+    let level = film.blocks.iter().find(|level| level.edge == edge && method != Method::Path)?;
+    let error = relative_error(&level.mean, &level.variance).filter(|error| *error > BLOTCHES)?;
+    Some(format!(
+        "blocks of {edge} x {edge} pixels are known to {:.2} % only: what looks like an inclusion may be noise; more --photons or \
+         --spp make it quieter",
+        100.0 * error
+    ))
 }
 
 /// Renders a model. `observe` is called between chunks; false stops the work.
@@ -188,7 +212,8 @@ fn once(
     let pixels = pixels(model);
     let spp = (settings.spp / REPLICATES).clamp(1, REPLICATE_PATHS);
     let mut replicates = settings.spp.div_ceil(spp).max(REPLICATES);
-    let all_photons = || photons(&kernel, plan.method, pixels * u64::from(settings.spp)).max(LEAST_PHOTONS);
+    let least = if kernel.unfolded > 0 { LEAST_PHOTONS_BESIDE_UNFOLDING } else { LEAST_PHOTONS };
+    let all_photons = || photons(&kernel, plan.method, pixels * u64::from(settings.spp)).max(least);
     let mut work = Work { spp, photons: settings.photons.unwrap_or_else(all_photons).div_ceil(u64::from(replicates)) };
     if !observe(Stage { done: 0.0, what: "compiling kernels" }) {
         return Err(TraceError::Stopped);
@@ -249,7 +274,7 @@ fn once(
         }
     }
     let seconds = start.elapsed().as_secs_f64();
-    let Totals { segments, mut times, .. } = batch.totals;
+    let Totals { segments, mut times, photons, .. } = batch.totals;
     if needs_ledger {
         let start = Instant::now();
         batch.ledger(LEDGER_PHOTONS, &mut |_, _| observe(Stage { done: 1.0, what: "flux ledger" }))?;
@@ -263,20 +288,23 @@ fn once(
     });
     let film = sum.finish();
     let mean_radiance = film.mean.iter().map(|&v| f64::from(v)).sum::<f64>() / film.mean.len() as f64;
+    let spp = totals.paths / pixels;
+    let blotches = blotches(plan.method, &film);
     Ok(Outcome {
         relative_error: relative_error(&film.mean, &film.variance),
+        unseen: Unseen::of(model, &film, Traced { method: plan.method, spp, photons }),
         mean_radiance,
-        film,
         ledger,
         plan,
         backend: backend.name(),
         adapter: backend.adapter(),
-        notice: notice.into_iter().chain(late).reduce(|a, b| a + "; " + &b),
+        notice: notice.into_iter().chain(late).chain(blotches).reduce(|a, b| a + "; " + &b),
         paths: totals.paths,
         photons: totals.photons,
         smoothing: gather.map(|gather| gather.smoothing),
         segments,
-        spp: totals.paths / pixels,
+        spp,
+        film,
         seconds,
         times,
         setup_seconds,
@@ -381,4 +409,32 @@ fn relative_error(means: &[f32], variances: &[f32]) -> Option<f64> {
         variance += f64::from(v);
     }
     (mean > 0.0).then(|| (variance / count).sqrt() / (mean / count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A film whose blocks of 16 x 16 pixels move together by a share of their light.
+    fn film(size: u32, noise: f64) -> Film {
+        let mut sum = BlockAccumulator::new(size, size);
+        for index in 0..REPLICATES {
+            let block = |k: u32| (k % size / 16 + k / size / 16 * 7 + index * 5).wrapping_mul(2_654_435_761) % 1001;
+            let pixel = |k: u32| 1.0 + noise * (f64::from(block(k)) / 1001.0 - 0.5);
+            let image: Vec<f64> = (0..size * size).map(pixel).collect();
+            assert_eq!(sum.add(&image), Ok(()));
+        }
+        sum.finish()
+    }
+
+    /// Uniform noise of a width has 0.29 of it as its deviation, a mean of 16 a fourth of that.
+    #[test]
+    fn blocks_that_are_noisy_are_told_where_photons_are_shared() {
+        let told = |size, noise| blotches(Method::Map, &film(size, noise));
+        assert!(told(64, 0.2).is_some_and(|said| said.contains("16 x 16") && said.contains("inclusion")));
+        assert_eq!(told(64, 0.02), None);
+        assert!(told(16, 0.2).is_some_and(|said| said.contains("4 x 4")));
+        assert_eq!(blotches(Method::Path, &film(64, 0.2)), None);
+        assert_eq!(told(64, 0.0), None);
+    }
 }

@@ -56,6 +56,7 @@ fn the_flat_sensor_is_exactly_dark() {
     check_render_keys(&said);
     assert_eq!(said["mean_radiance"], 0.0);
     assert!(said["relative_error"]["undefined"].is_string());
+    assert!(said["known_dark"].is_string() && said["absolute_error"] == 0.0, "{said}");
     // Three over the number of paths, times the LEDs' radiance of some hundred W/(m^2 sr).
     assert!((1e-4..1e-1).contains(&said["mean_radiance_below"].as_f64().unwrap()), "{said}");
     let (film, provenance) = read_radiance(&place.path().join("out/tsis-paper/radiance.exr")).unwrap();
@@ -63,6 +64,31 @@ fn the_flat_sensor_is_exactly_dark() {
     let provenance = provenance.unwrap();
     assert_eq!((provenance.unit.as_str(), provenance.scene_name.as_str()), (UNIT, "tsis-paper"));
     assert_eq!((provenance.scene_sha256.len(), provenance.integrator.as_str()), (64, "path"));
+}
+
+/// 64 paths that find nothing on a disc that glows: the error holds what they missed, in JSON and in the file.
+#[test]
+fn a_film_without_light_has_an_error() {
+    let place = Place::new();
+    place.write("scene.toml", &small("contact-disc").replace("pixels = [48, 36]", "pixels = [2, 2]"));
+    let render = |flags: &[&str]| {
+        let always = ["render", "scene.toml", "--json", "--quiet", "--force", "--backend", "cpu", "-o", "image"];
+        let output = tirtouch_in(place.path(), &[&always, flags].concat());
+        assert_eq!(code(&output), 0, "{output:?}");
+        json(&output)
+    };
+    let truth = render(&["--spp", "256", "--photons", "100000"])["mean_radiance"].as_f64().unwrap();
+    let dark = |seed: u32| render(&["--integrator", "path", "--spp", "1", "--seed", &seed.to_string()]);
+    let said = (1..20).map(dark).find(|said| said["mean_radiance"] == 0.0).unwrap();
+    assert!(said["known_dark"].is_null() && said["relative_error"]["undefined"].is_string(), "{said}");
+    let bound = |key: &str| said[key].as_f64().unwrap();
+    assert!(truth > 0.0 && bound("absolute_error") > truth && bound("mean_radiance_below") > truth, "{truth}: {said}");
+    let file = exr::prelude::read_first_flat_layer_from_file(place.path().join("image/radiance.exr")).unwrap();
+    let variances: Vec<f32> = file.layer_data.channel_data.list[1].sample_data.values_as_f32().collect();
+    assert!(variances.iter().all(|v| 1.96 * f64::from(*v).sqrt() > truth), "{variances:?}");
+    // Replicates of nothing have no variance: that is how two films are compared.
+    let (film, _) = read_radiance(&place.path().join("image/radiance.exr")).unwrap();
+    assert_eq!(film.variance, [0.0; 4]);
 }
 
 #[test]
