@@ -50,11 +50,13 @@ fn kernel_pieces_follow_the_scene() {
     let flat = inspected("preset:tsis-paper");
     assert_eq!(list(&flat, "included"), ["clear walls"]);
     let pressed = inspected("preset:press-hertz");
-    for piece in ["tissue contact", "sideways spread in tissue", "contact share grid"] {
+    let touched =
+        ["tissue contact", "tissue as a half space of scatterers", "sideways spread in tissue", "contact share grid"];
+    for piece in touched {
         assert!(list(&pressed, "included").contains(&piece.to_owned()), "{piece}");
         assert!(list(&flat, "left_out").contains(&piece.to_owned()), "{piece}");
     }
-    assert_eq!(list(&flat, "included").len() + list(&flat, "left_out").len(), 17);
+    assert_eq!(list(&flat, "included").len() + list(&flat, "left_out").len(), 18);
     assert_eq!(inspected("preset:tsis-dent")["surface"], "spherical cap in closed form");
     assert!(pressed["adapter"].is_string() && pressed["memory"]["device_bytes"].as_u64().unwrap() > 0);
 }
