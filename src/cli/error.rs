@@ -40,13 +40,15 @@ pub struct Failure {
     file: Option<PathBuf>,
     line: Option<usize>,
     key: Option<String>,
+    /// The other mistakes of a file that has several.
+    others: Box<[Failure]>,
 }
 
 impl Failure {
     fn new(kind: Kind, message: impl Into<String>) -> Self {
         // One line, whatever was quoted in it.
         let message = message.into().split_whitespace().collect::<Vec<_>>().join(" ");
-        Self { kind, message, file: None, line: None, key: None }
+        Self { kind, message, file: None, line: None, key: None, others: Box::default() }
     }
 
     /// Wrong use of the command line (exit code 2).
@@ -120,9 +122,14 @@ impl Failure {
         }
     }
 
-    /// The object that `--json` prints.
+    /// The object that `--json` prints: the mistake, and with it all mistakes.
     #[must_use]
     pub fn json(&self) -> serde_json::Value {
+        let errors: Vec<_> = std::iter::once(self).chain(&self.others).map(Self::one_json).collect();
+        json!({"error": self.one_json(), "errors": errors})
+    }
+
+    fn one_json(&self) -> serde_json::Value {
         let kind = match self.kind {
             Kind::Usage => "usage",
             Kind::Input => "input",
@@ -130,12 +137,16 @@ impl Failure {
             Kind::Cancelled => "cancelled",
         };
         let file = self.file.as_ref().map(|file| file.display().to_string());
-        json!({"error": {"kind": kind, "message": self.message, "file": file, "line": self.line, "key": self.key}})
+        json!({"kind": kind, "message": self.message, "file": file, "line": self.line, "key": self.key})
     }
 
     /// Says it, on standard error and for `--json` as an object on standard output, and gives the exit code.
     pub(super) fn report(&self, json: bool) -> ExitCode {
         super::note(&self.message);
+        if !self.others.is_empty() {
+            super::note(&format!("and {} more:", self.others.len()));
+        }
+        self.others.iter().for_each(|other| super::note(&other.message));
         if json {
             // Standard error has said it already, so a closed standard output hides nothing.
             let _ = super::write_line(&self.json().to_string());
@@ -164,7 +175,8 @@ impl From<CompareError> for Failure {
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         let failure = Self::input(error.to_string()).in_file(&error.file);
-        Self { line: error.line, key: error.key, ..failure }
+        let others = error.others.into_iter().map(Self::from).collect();
+        Self { line: error.line, key: error.key, others, ..failure }
     }
 }
 

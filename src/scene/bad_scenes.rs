@@ -51,6 +51,8 @@ fn check_read_by(case: &Bad, read: fn(&str) -> SceneError) {
     assert_eq!(seen, (case.kind, Some(case.key), marked.or(Some(1))), "{:?} gives {error}", case.to);
     assert!(error.message.contains(case.says), "{:?} gives {error}", case.to);
     assert_eq!(error.to_string().lines().count(), 1, "{error}");
+    // One mistake is one, not a train of what follows from it.
+    assert!(error.others.is_empty(), "{:?} gives {error}, and {}", case.to, error.others[0]);
 }
 
 /// Rules of ranges and of parts that fit together, all of kind `invalid_value`.

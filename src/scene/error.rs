@@ -18,12 +18,15 @@ pub struct SceneError {
     pub key: Option<String>,
     /// What is wrong and what would be right.
     pub message: String,
+    /// The other mistakes of the file, each without others.
+    pub others: Box<[SceneError]>,
 }
 
 impl SceneError {
     /// An error about the file as a whole.
     pub(super) fn of_file(kind: &'static str, file: &Path, message: impl AsRef<str>) -> Self {
-        Self { kind, file: file.to_path_buf(), line: None, key: None, message: one_line(message.as_ref()) }
+        let message = one_line(message.as_ref());
+        Self { kind, file: file.to_path_buf(), line: None, key: None, message, others: Box::default() }
     }
 
     /// The same error at a place.
@@ -31,6 +34,13 @@ impl SceneError {
         self.line = line;
         self.key = key.map(one_line);
         self
+    }
+
+    /// The first of several mistakes, with the others; none where there are none.
+    pub(super) fn first_of(mistakes: Vec<Self>) -> Option<Self> {
+        let mut mistakes = mistakes.into_iter();
+        let first = mistakes.next()?;
+        Some(Self { others: mistakes.collect(), ..first })
     }
 
     fn place(&self) -> String {

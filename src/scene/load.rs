@@ -1,4 +1,5 @@
-//! Reading a scene file: text, structure, types, rules, and the files it names; the first mistake is the error.
+//! Reading a scene file: text, structure, types, rules, and the files it names. The first mistake is the error and carries the
+//! others of its stage: what the types are is not asked before the structure is right, nor a rule before the types are.
 
 use super::data_file::read_limited;
 use super::error::SceneError;
@@ -49,6 +50,14 @@ pub fn load(path: &Path) -> Result<LoadedScene, SceneError> {
     Ok(loaded)
 }
 
+/// Reads a scene file without looking at the files that it names, which may lie elsewhere: for its camera.
+///
+/// # Errors
+/// As [`load`], but for those files.
+pub fn load_alone(path: &Path) -> Result<LoadedScene, SceneError> {
+    parse(&read_text(path)?, path)
+}
+
 /// Reads a scan scene file.
 ///
 /// # Errors
@@ -72,16 +81,17 @@ fn read_text(path: &Path) -> Result<String, SceneError> {
 }
 
 fn files_exist(text: &str, path: &Path, folder: &Path, files: Vec<(String, &Path)>) -> Result<(), SceneError> {
-    for (key, named) in files {
+    let missing = |(key, named): (String, &Path)| {
         let resolved = folder.join(named);
-        if !resolved.is_file() {
-            let line = DeTable::parse(text).ok().map(|document| line_of(text, document.get_ref(), &key));
-            let message =
-                format!("names {}, which is not a file; paths are relative to the scene's folder", resolved.display());
-            return Err(SceneError::of_file("missing_file", path, message).at(line, Some(&key)));
-        }
+        let line = || DeTable::parse(text).ok().map(|document| line_of(text, document.get_ref(), &key));
+        let message =
+            format!("names {}, which is not a file; paths are relative to the scene's folder", resolved.display());
+        (!resolved.is_file()).then(|| SceneError::of_file("missing_file", path, message).at(line(), Some(&key)))
+    };
+    match SceneError::first_of(files.into_iter().filter_map(missing).collect()) {
+        Some(error) => Err(error),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// Reads a scene from its text; `origin` is the file it came from, for messages and relative paths.
@@ -123,9 +133,16 @@ fn parse_as<'t, S: Deserialize<'t>>(
         let line = line_of(text, document.get_ref(), key);
         SceneError::of_file(kind, origin, message).at(Some(line), Some(key))
     };
-    structure::check(document.get_ref(), schema).map_err(|fault| at_key(fault.kind, &fault.key, &fault.message))?;
+    let faults = structure::faults(document.get_ref(), schema);
+    let faults = faults.iter().map(|fault| at_key(fault.kind, &fault.key, &fault.message)).collect();
+    if let Some(error) = SceneError::first_of(faults) {
+        return Err(error);
+    }
     let scene = S::deserialize(Deserializer::from(document.clone())).map_err(|error| toml_error("syntax", &error))?;
-    rules(&scene).map_err(|broken| at_key("invalid_value", &broken.key, &broken.message))?;
+    rules(&scene).map_err(|broken| {
+        let place = |one: &Invalid| at_key("invalid_value", &one.key, &one.message);
+        SceneError { others: broken.others.iter().map(place).collect(), ..place(&broken) }
+    })?;
     Ok(Loaded {
         scene,
         folder: origin.parent().map(Path::to_path_buf).unwrap_or_default(),

@@ -238,3 +238,41 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn every_mistake_of_a_stage_is_told_in_the_order_of_the_file() {
+    let keys = |text: &str| {
+        let error = parse(text, Path::new("scene.toml")).unwrap_err();
+        let all = std::iter::once(&error).chain(error.others.iter());
+        all.map(|one| (one.key.clone().unwrap(), one.line.unwrap())).collect::<Vec<_>>()
+    };
+    let original = text_of("tsis-paper");
+    let line = |text: &str, wanted: &str| text.lines().position(|line| line.contains(wanted)).unwrap() + 1;
+    // Rules: two of one layer, one of an LED, two of the camera.
+    let text = original
+        .replacen("n = 1.41", "n = 0.5", 1)
+        .replacen("n = 1.39", "n = 9.0\nabsorption_per_mm = -1.0", 1)
+        .replacen("power_mw = 5.0", "power_mw = -5.0", 1)
+        .replacen("view_angle_deg", "view_angle_deg = 200.0 #", 1);
+    let found = keys(&text);
+    let expected = [
+        ("stack.layer[0].n", "n = 0.5"),
+        ("stack.layer[2].n", "n = 9.0"),
+        ("stack.layer[2].absorption_per_mm", "absorption_per_mm = -1.0"),
+        ("led[0].power_mw", "power_mw = -5.0"),
+        ("camera.view_angle_deg", "view_angle_deg = 200.0"),
+    ];
+    let expected: Vec<_> = expected.iter().map(|(key, shown)| ((*key).to_owned(), line(&text, shown))).collect();
+    assert_eq!(found, expected);
+    // Structure: an unknown key, a missing one and a wrong type; a misspelt key is not missing too.
+    let text = original
+        .replacen("surround_n = 1.0", "surrond_n = 1.0", 1)
+        .replacen("thickness_mm = 2.0", "thicknes_mm = 2.0", 1)
+        .replacen("thickness_mm = 3.0", "", 1)
+        .replacen("n = 1.39", "n = \"1.39\"", 1);
+    let found: Vec<String> = keys(&text).into_iter().map(|(key, _)| key).collect();
+    assert_eq!(
+        found,
+        ["stack.surrond_n", "stack.layer[0].thicknes_mm", "stack.layer[1].thickness_mm", "stack.layer[2].n"]
+    );
+}

@@ -21,9 +21,11 @@ impl Fault {
     }
 }
 
-/// Checks keys, types and finiteness of a whole scene document.
-pub(super) fn check(document: &DeTable<'_>, schema: &Value) -> Result<(), Fault> {
-    Walk { root: schema }.table("", document, schema)
+/// The mistakes in keys, types and finiteness of a whole scene document, in the order in which they are met.
+pub(super) fn faults(document: &DeTable<'_>, schema: &Value) -> Vec<Fault> {
+    let mut found = Vec::new();
+    Walk { root: schema }.table("", document, schema, &mut found);
+    found
 }
 
 struct Walk<'s> {
@@ -46,14 +48,32 @@ impl<'s> Walk<'s> {
         }
     }
 
-    fn value(&self, key: &str, value: &Spanned<DeValue<'_>>, described: &'s Value) -> Result<(), Fault> {
+    fn value(&self, key: &str, value: &Spanned<DeValue<'_>>, described: &'s Value, found: &mut Vec<Fault>) {
         let schema = self.resolve(described);
-        let value = value.get_ref();
-        if let Some(choices) = schema.get("oneOf").and_then(Value::as_array) {
-            return self.choice(key, value, choices);
+        match (schema.get("oneOf").and_then(Value::as_array), type_name(schema), value.get_ref()) {
+            (Some(choices), _, value) => match self.choice(key, value, choices) {
+                Ok(Some((table, schema))) => self.table(key, table, schema, found),
+                Ok(None) => {}
+                Err(fault) => found.push(fault),
+            },
+            (None, "object", DeValue::Table(table)) => self.table(key, table, schema, found),
+            (None, "array", DeValue::Array(items)) => match self.plain(key, value.get_ref(), described) {
+                Ok(()) => {
+                    let item_schema = schema.get("items").unwrap_or(&Value::Null);
+                    for (index, item) in items.iter().enumerate() {
+                        self.value(&format!("{key}[{index}]"), item, item_schema, found);
+                    }
+                }
+                Err(fault) => found.push(fault),
+            },
+            (None, _, value) => found.extend(self.plain(key, value, described).err()),
         }
+    }
+
+    /// A value that is no table; of a list its length.
+    fn plain(&self, key: &str, value: &DeValue<'_>, described: &'s Value) -> Result<(), Fault> {
+        let schema = self.resolve(described);
         let fits = match (type_name(schema), value) {
-            ("object", DeValue::Table(table)) => return self.table(key, table, schema),
             ("array", DeValue::Array(items)) => {
                 let length = |bound: &str| schema.get(bound).and_then(Value::as_u64);
                 if length("minItems").is_some_and(|n| (items.len() as u64) < n)
@@ -62,10 +82,6 @@ impl<'s> Walk<'s> {
                     let wanted = length("minItems").unwrap_or(0);
                     let message = format!("must have {wanted} values, has {}{}", items.len(), meaning(described));
                     return Err(Fault::new("wrong_type", key, message));
-                }
-                let item_schema = schema.get("items").unwrap_or(&Value::Null);
-                for (index, item) in items.iter().enumerate() {
-                    self.value(&format!("{key}[{index}]"), item, item_schema)?;
                 }
                 true
             }
@@ -100,43 +116,54 @@ impl<'s> Walk<'s> {
         Err(Fault::new("wrong_type", key, message))
     }
 
-    fn table(&self, key: &str, table: &DeTable<'_>, schema: &'s Value) -> Result<(), Fault> {
+    fn table(&self, key: &str, table: &DeTable<'_>, schema: &'s Value, found: &mut Vec<Fault>) {
         let Some(properties) = schema.get("properties").and_then(Value::as_object) else {
-            return Ok(());
+            return;
         };
         let path = |name: &str| {
             if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") }
         };
         // A misspelt table would otherwise show first as what is missing or wrong elsewhere.
+        let names: Vec<&str> = properties.keys().map(String::as_str).collect();
+        let mut slips = Vec::new();
         for (name, _) in table {
             if !properties.contains_key(name.get_ref().as_ref()) {
-                let names: Vec<&str> = properties.keys().map(String::as_str).collect();
-                let message = format!(
-                    "unknown key{}; the keys here are {}",
-                    did_you_mean(name.get_ref(), &names),
-                    names.join(", ")
-                );
-                return Err(Fault::new("unknown_key", &path(name.get_ref()), message));
+                let meant = did_you_mean(name.get_ref(), &names);
+                let message = format!("unknown key{meant}; the keys here are {}", names.join(", "));
+                found.push(Fault::new("unknown_key", &path(name.get_ref()), message));
+                slips.push(meant);
             }
         }
         for (name, value) in table {
             if let Some(property) = properties.get(name.get_ref().as_ref()) {
-                self.value(&path(name.get_ref()), value, property)?;
+                let before = found.len();
+                self.value(&path(name.get_ref()), value, property, found);
+                // Where a table is misspelt, what it holds is not also missing in the right one.
+                if slips.contains(&did_you_mean(name.get_ref(), &[name.get_ref()])) {
+                    let inside = found.split_off(before);
+                    found.extend(inside.into_iter().filter(|fault| fault.kind != "missing_key"));
+                }
             }
         }
         let required = schema.get("required").and_then(Value::as_array).into_iter().flatten();
         for name in required.filter_map(Value::as_str) {
-            if !table.iter().any(|(present, _)| present.get_ref() == name) {
+            // What is unknown may be what is missing.
+            if slips.is_empty() && !table.iter().any(|(present, _)| present.get_ref() == name) {
                 let property = properties.get(name).unwrap_or(&Value::Null);
                 let message = format!("is missing; give {}{}", wanted(self.resolve(property)), meaning(property));
-                return Err(Fault::new("missing_key", &path(name), message));
+                found.push(Fault::new("missing_key", &path(name), message));
             }
         }
-        Ok(())
     }
 
-    /// One of several names, or one of several tables told apart by one of their keys: `kind`, or `law` for materials.
-    fn choice(&self, key: &str, value: &DeValue<'_>, choices: &'s [Value]) -> Result<(), Fault> {
+    /// One of several names, or one of several tables told apart by one of their keys: `kind`, or `law` for materials. Of a
+    /// table, it and what it must be.
+    fn choice<'v, 't>(
+        &self,
+        key: &str,
+        value: &'v DeValue<'t>,
+        choices: &'s [Value],
+    ) -> Result<Option<(&'v DeTable<'t>, &'s Value)>, Fault> {
         let names: Vec<&str> = choices.iter().filter_map(choice_name).collect();
         let tagged = choices.iter().any(|one| one.get("properties").is_some());
         let (key_of_name, name) = match value {
@@ -165,8 +192,8 @@ impl<'s> Walk<'s> {
         };
         let chosen = choices.iter().find(|one| choice_name(one) == name.as_str());
         match (chosen, value) {
-            (Some(schema), DeValue::Table(table)) if name.as_str().is_some() => self.table(key, table, schema),
-            (Some(_), _) if name.as_str().is_some() => Ok(()),
+            (Some(schema), DeValue::Table(table)) if name.as_str().is_some() => Ok(Some((table, schema))),
+            (Some(_), _) if name.as_str().is_some() => Ok(None),
             _ => {
                 let hint = name.as_str().map(|name| did_you_mean(name, &names)).unwrap_or_default();
                 let message = format!("must be one of {}, is {}{hint}", quoted(&names), shown(name));

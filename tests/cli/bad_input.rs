@@ -134,3 +134,24 @@ fn references_of_another_size_are_refused_before_the_work() {
     assert!(one_line(&output).contains("2 x 2 pixels, the camera 48 x 36"), "{output:?}");
     assert!(!place.path().join("out/press-hertz").exists());
 }
+
+#[test]
+fn every_mistake_of_a_scene_is_said_one_on_a_line() {
+    let place = Place::new();
+    place.write("scene.toml", &small("tsis-paper").replace("n = 1.41", "n = 0.5").replace("n = 1.39", "n = 9.0"));
+    let output = tirtouch_in(place.path(), &["render", "scene.toml", "--json"]);
+    assert_eq!(code(&output), 2, "{output:?}");
+    let said = text(&output.stderr);
+    let lines: Vec<&str> = said.lines().collect();
+    assert_eq!(lines.len(), 3, "{said}");
+    assert!(lines.iter().all(|line| line.starts_with("tirtouch: ")), "{said}");
+    assert!(lines[0].contains("stack.layer[0].n") && lines[1].ends_with("and 1 more:"), "{said}");
+    assert!(lines[2].contains("scene.toml:") && lines[2].contains("stack.layer[2].n"), "{said}");
+    let all = json(&output);
+    assert_eq!(all["error"], all["errors"][0]);
+    let keys: Vec<_> = all["errors"].as_array().unwrap().iter().map(|error| error["key"].clone()).collect();
+    assert_eq!(keys, ["stack.layer[0].n", "stack.layer[2].n"]);
+    for key in ["kind", "message", "file", "line", "key"] {
+        assert!(!all["errors"][1][key].is_null(), "{key}");
+    }
+}

@@ -1,7 +1,7 @@
 //! Rules of the LEDs: each wholly on its wall, none over another, with one measure of its light.
 
-use super::Invalid;
 use super::bounds::{ANY, NOT_NEGATIVE, POSITIVE, above, number};
+use super::{Invalid, all};
 use crate::scene::{Led, Mount, Pattern, Scene, Stack, Wall, Walls};
 
 /// LEDs that the tracer's table holds.
@@ -15,20 +15,34 @@ pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
         let message = format!("must have from 1 to {MAX_LEDS} LEDs, has {}; give each an [[led]]", leds.len());
         return Err(Invalid::new("led", message));
     }
-    for (index, led) in leds.iter().enumerate() {
+    let one = |(index, led): (usize, &Led)| {
         let key = format!("led[{index}]");
-        on_its_wall(&key, led, &scene.stack)?;
-        mount(&key, led, &scene.stack)?;
-        light(&key, led)?;
-        for (other_index, other) in leds.iter().enumerate().take(index) {
-            let distance = (led.along_mm - other.along_mm).hypot(led.height_mm - other.height_mm);
-            let least = (led.diameter_mm + other.diameter_mm) / 2.0;
-            if led.wall == other.wall && distance < least - TOUCHING_MM {
-                let message = format!(
-                    "overlaps led[{other_index}] on the same wall: centres must be at least {least} mm apart, are {distance}"
-                );
-                return Err(Invalid::new(format!("{key}.along_mm"), message));
-            }
+        // Where the wall is wrong, no place on it is right.
+        let stands = match wall_is_sound(&scene.stack) {
+            true => all([on_its_wall(&key, led, &scene.stack), apart(&key, index, leds)]),
+            false => Ok(()),
+        };
+        all([stands, mount(&key, led, &scene.stack), light(&key, led)])
+    };
+    all(leds.iter().enumerate().map(one))
+}
+
+fn wall_is_sound(stack: &Stack) -> bool {
+    let heights = stack.layer.iter().map(|layer| layer.thickness_mm);
+    !stack.layer.is_empty() && heights.chain(stack.footprint_mm).all(|extent| extent > 0.0 && extent.is_finite())
+}
+
+/// An LED and those before it on its wall.
+fn apart(key: &str, index: usize, leds: &[Led]) -> Result<(), Invalid> {
+    let Some(led) = leds.get(index) else { return Ok(()) };
+    for (other_index, other) in leds.iter().enumerate().take(index) {
+        let distance = (led.along_mm - other.along_mm).hypot(led.height_mm - other.height_mm);
+        let least = (led.diameter_mm + other.diameter_mm) / 2.0;
+        if led.wall == other.wall && distance < least - TOUCHING_MM {
+            let message = format!(
+                "overlaps led[{other_index}] on the same wall: centres must be at least {least} mm apart, are {distance}"
+            );
+            return Err(Invalid::new(format!("{key}.along_mm"), message));
         }
     }
     Ok(())
@@ -78,24 +92,31 @@ fn mount(key: &str, led: &Led, stack: &Stack) -> Result<(), Invalid> {
 }
 
 fn light(key: &str, led: &Led) -> Result<(), Invalid> {
+    let cutoff = led
+        .cutoff_half_angle_deg
+        .map_or(Ok(()), |cutoff| number(&format!("{key}.cutoff_half_angle_deg"), cutoff, above(0.0, 90.0, true), 72.0));
+    let pattern = match led.pattern {
+        Pattern::CosinePower { half_power_deg } => {
+            number(&format!("{key}.pattern.half_power_deg"), half_power_deg, above(0.0, 90.0, false), 60.0)
+        }
+        _ => Ok(()),
+    };
+    all([amount(key, led), cutoff, pattern])
+}
+
+/// One measure of its light.
+fn amount(key: &str, led: &Led) -> Result<(), Invalid> {
     let power_key = format!("{key}.power_mw");
     match (led.power_mw, led.radiance_w_per_m2_sr) {
-        (Some(power), None) => number(&power_key, power, POSITIVE, 5.0)?,
-        (None, Some(radiance)) => number(&format!("{key}.radiance_w_per_m2_sr"), radiance, POSITIVE, 1.0)?,
+        (Some(power), None) => number(&power_key, power, POSITIVE, 5.0),
+        (None, Some(radiance)) => number(&format!("{key}.radiance_w_per_m2_sr"), radiance, POSITIVE, 1.0),
         (Some(_), Some(_)) => {
             let message = "give power_mw or radiance_w_per_m2_sr, not both; for example power_mw = 5.0";
-            return Err(Invalid::new(power_key, message));
+            Err(Invalid::new(power_key, message))
         }
         (None, None) => {
             let message = "give power_mw or radiance_w_per_m2_sr; for example power_mw = 5.0";
-            return Err(Invalid::new(power_key, message));
+            Err(Invalid::new(power_key, message))
         }
     }
-    if let Some(cutoff) = led.cutoff_half_angle_deg {
-        number(&format!("{key}.cutoff_half_angle_deg"), cutoff, above(0.0, 90.0, true), 72.0)?;
-    }
-    if let Pattern::CosinePower { half_power_deg } = led.pattern {
-        number(&format!("{key}.pattern.half_power_deg"), half_power_deg, above(0.0, 90.0, false), 60.0)?;
-    }
-    Ok(())
 }

@@ -1,7 +1,8 @@
 //! The rules that a scene keeps beyond its structure: ranges, and parts that fit together.
 //!
 //! Every rule names one key, what it must be and a value that would do. The order is that of the file; the first
-//! broken rule is the error.
+//! broken rule is the error, and the others go with it. Rules that lean on a part with a mistake wait until that is right: what a
+//! disc on a wall of negative height may be is no help.
 
 mod bounds;
 mod camera;
@@ -25,38 +26,53 @@ pub struct Invalid {
     pub key: String,
     /// What the value must be, what it is, and one that would do.
     pub message: String,
+    /// The other rules that the scene breaks, in the order of the file, each without others.
+    pub others: Vec<Invalid>,
 }
 
 impl Invalid {
     fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { key: key.into(), message: message.into() }
+        Self { key: key.into(), message: message.into(), others: Vec::new() }
     }
+}
+
+/// All rules of a list: the first that is broken, and with it the others. A key is named once.
+fn all(rules: impl IntoIterator<Item = Result<(), Invalid>>) -> Result<(), Invalid> {
+    let mut found: Vec<Invalid> = Vec::new();
+    for mut broken in rules.into_iter().filter_map(Result::err) {
+        let others = std::mem::take(&mut broken.others);
+        for one in std::iter::once(broken).chain(others) {
+            if !found.iter().any(|known| known.key == one.key) {
+                found.push(one);
+            }
+        }
+    }
+    let mut found = found.into_iter();
+    found.next().map_or(Ok(()), |first| Err(Invalid { others: found.collect(), ..first }))
 }
 
 /// Checks every rule; for scenes made in memory as well as for those read from a file.
 ///
 /// # Errors
-/// The first rule that the scene breaks.
+/// The rules that the scene breaks.
 pub fn validate(scene: &Scene) -> Result<(), Invalid> {
-    name(&scene.name)?;
-    number("light.wavelength_nm", scene.light.wavelength_nm, 200.0..=2000.0, 532.0)?;
-    stack::check(scene)?;
-    led::check(scene)?;
-    camera::check(&scene.camera)?;
-    shape::check(scene)?;
-    contact::check(scene)?;
-    press::check(scene)?;
-    render(scene)
+    let light = number("light.wavelength_nm", scene.light.wavelength_nm, 200.0..=2000.0, 532.0);
+    // Materials are known over wavelengths, and what touches the stack is measured by it.
+    let stack = if light.is_ok() { stack::check(scene) } else { Ok(()) };
+    let touching = match light.is_ok() && stack.is_ok() {
+        true => all([shape::check(scene), contact::check(scene), press::check(scene)]),
+        false => Ok(()),
+    };
+    let own = all([name(&scene.name), light, stack, led::check(scene), camera::check(&scene.camera)]);
+    all([own, touching, render(scene)])
 }
 
 /// Checks every rule of a scan scene.
 ///
 /// # Errors
-/// The first rule that the scene breaks.
+/// The rules that the scene breaks.
 pub fn validate_scan(scene: &ScanScene) -> Result<(), Invalid> {
-    name(&scene.name)?;
-    phantom::check(&scene.phantom)?;
-    scan::check(scene)
+    all([name(&scene.name), phantom::check(&scene.phantom), scan::check(scene)])
 }
 
 /// The name becomes a folder of the output.
@@ -73,8 +89,19 @@ fn name(name: &str) -> Result<(), Invalid> {
 }
 
 fn render(scene: &Scene) -> Result<(), Invalid> {
-    /// Texels along the longer side of the irradiance map: 4096^2 counters of 8 bytes are 128 MiB.
-    const MAX_TEXELS: f64 = 4096.0;
+    let render = &scene.render;
+    let photons = render.photons.map_or(Ok(()), |photons| whole("render.photons", photons, 1..=1 << 40, 1 << 20));
+    all([
+        splat(scene),
+        whole("render.spp", render.spp.into(), 1..=1 << 24, 64),
+        photons,
+        texel(scene),
+        whole("render.height_field_points", render.height_field_points.into(), 16..=2048, 256),
+    ])
+}
+
+/// The method `splat` needs what the scene must not have.
+fn splat(scene: &Scene) -> Result<(), Invalid> {
     let render = &scene.render;
     if render.integrator == Integrator::Splat && scene.touch.shape != Shape::Flat {
         return Err(Invalid::new(
@@ -90,10 +117,13 @@ fn render(scene: &Scene) -> Result<(), Invalid> {
             "splat needs a flat stack and the press deforms it; use \"auto\", \"path\" or \"map\"",
         ));
     }
-    whole("render.spp", render.spp.into(), 1..=1 << 24, 64)?;
-    if let Some(photons) = render.photons {
-        whole("render.photons", photons, 1..=1 << 40, 1 << 20)?;
-    }
+    Ok(())
+}
+
+fn texel(scene: &Scene) -> Result<(), Invalid> {
+    /// Texels along the longer side of the irradiance map: 4096^2 counters of 8 bytes are 128 MiB.
+    const MAX_TEXELS: f64 = 4096.0;
+    let render = &scene.render;
     number("render.map_texel_mm", render.map_texel_mm, POSITIVE, 0.25)?;
     let longest = scene.stack.footprint_mm[0].max(scene.stack.footprint_mm[1]);
     if longest / render.map_texel_mm > MAX_TEXELS {
@@ -104,7 +134,7 @@ fn render(scene: &Scene) -> Result<(), Invalid> {
         );
         return Err(Invalid::new("render.map_texel_mm", message));
     }
-    whole("render.height_field_points", render.height_field_points.into(), 16..=2048, 256)
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! Rules of the phantom: its inclusions lie inside it and apart.
 
-use super::Invalid;
 use super::bounds::{ANY, NOT_NEGATIVE, POSITIVE, above, number};
 use super::elastic;
 use super::shape::extension;
 use super::stack::MAX_EXTENT_MM;
+use super::{Invalid, all};
 use crate::scene::{DepthTo, Inclusion, InclusionBody, Phantom, PhantomBody};
 
 /// Inclusions of a phantom; each asks for a mesh of its own.
@@ -18,21 +18,26 @@ pub(super) fn check(phantom: &Phantom) -> Result<(), Invalid> {
     let size = |name: &str, value: f64, example: f64| {
         number(&format!("phantom.shape.{name}"), value, above(0.0, MAX_EXTENT_MM, true), example)
     };
-    match &phantom.shape {
-        PhantomBody::Cylinder { radius_mm, .. } => size("radius_mm", *radius_mm, 30.0)?,
+    let sides = match &phantom.shape {
+        PhantomBody::Cylinder { radius_mm, .. } => size("radius_mm", *radius_mm, 30.0),
         PhantomBody::Block { size_mm, .. } => {
-            size("size_mm[0]", size_mm[0], 60.0)?;
-            size("size_mm[1]", size_mm[1], 60.0)?;
+            all([size("size_mm[0]", size_mm[0], 60.0), size("size_mm[1]", size_mm[1], 60.0)])
         }
-    }
-    size("height_mm", phantom.shape.height_mm(), 25.0)?;
-    elastic::check("phantom.material", &phantom.material)?;
+    };
+    let body = all([sides, size("height_mm", phantom.shape.height_mm(), 25.0)]);
+    let material = elastic::check("phantom.material", &phantom.material);
+    // Where the body is wrong, no place in it is right.
+    let inside = if body.is_ok() { inclusions(phantom) } else { Ok(()) };
+    all([body, material, inside])
+}
+
+fn inclusions(phantom: &Phantom) -> Result<(), Invalid> {
     let inclusions = &phantom.inclusion;
     if inclusions.len() > MAX_INCLUSIONS {
         let message = format!("must have at most {MAX_INCLUSIONS} inclusions, has {}", inclusions.len());
         return Err(Invalid::new("phantom.inclusion", message));
     }
-    for (index, one) in inclusions.iter().enumerate() {
+    let one = |(index, one): (usize, &Inclusion)| {
         let key = format!("phantom.inclusion[{index}]");
         inclusion(&key, one, &phantom.shape)?;
         for (other_index, other) in inclusions.iter().enumerate().take(index) {
@@ -41,37 +46,38 @@ pub(super) fn check(phantom: &Phantom) -> Result<(), Invalid> {
                 return Err(Invalid::new(key, message));
             }
         }
-    }
-    Ok(())
+        Ok(())
+    };
+    all(inclusions.iter().enumerate().map(one))
 }
 
 fn inclusion(key: &str, one: &Inclusion, body: &PhantomBody) -> Result<(), Invalid> {
-    match &one.shape {
+    let size = match &one.shape {
         InclusionBody::Sphere { diameter_mm } => {
-            number(&format!("{key}.shape.diameter_mm"), *diameter_mm, above(0.0, MAX_EXTENT_MM, true), 8.0)?;
+            number(&format!("{key}.shape.diameter_mm"), *diameter_mm, above(0.0, MAX_EXTENT_MM, true), 8.0)
         }
-        InclusionBody::Ellipsoid { semi_axes_mm } => {
-            for (axis, semi) in semi_axes_mm.iter().enumerate() {
-                let key = format!("{key}.shape.semi_axes_mm[{axis}]");
-                number(&key, *semi, above(0.0, MAX_EXTENT_MM, true), 4.0)?;
-            }
-        }
-        InclusionBody::Mesh { file, scale } => {
-            extension(&format!("{key}.shape.file"), file, &["obj", "stl", "ply"])?;
-            number(&format!("{key}.shape.scale"), *scale, POSITIVE, 1.0)?;
-        }
-    }
-    number(&format!("{key}.depth_mm"), one.depth_mm, NOT_NEGATIVE, 5.0)?;
-    for (axis, center) in one.center_mm.into_iter().enumerate() {
-        number(&format!("{key}.center_mm[{axis}]"), center, ANY, 0.0)?;
-    }
-    elastic::check(&format!("{key}.material"), &one.material)?;
+        InclusionBody::Ellipsoid { semi_axes_mm } => all(semi_axes_mm.iter().enumerate().map(|(axis, semi)| {
+            let key = format!("{key}.shape.semi_axes_mm[{axis}]");
+            number(&key, *semi, above(0.0, MAX_EXTENT_MM, true), 4.0)
+        })),
+        InclusionBody::Mesh { file, scale } => all([
+            extension(&format!("{key}.shape.file"), file, &["obj", "stl", "ply"]),
+            number(&format!("{key}.shape.scale"), *scale, POSITIVE, 1.0),
+        ]),
+    };
+    let center = |axis: usize| number(&format!("{key}.center_mm[{axis}]"), one.center_mm[axis], ANY, 0.0);
+    let depth = number(&format!("{key}.depth_mm"), one.depth_mm, NOT_NEGATIVE, 5.0);
+    let place = all([size, depth, center(0), center(1)]);
+    let inside = if place.is_ok() { within(key, one, body) } else { Ok(()) };
+    all([place, inside, elastic::check(&format!("{key}.material"), &one.material)])
+}
+
+fn within(key: &str, one: &Inclusion, body: &PhantomBody) -> Result<(), Invalid> {
     // A mesh is not read yet; the finite-element mesh refuses one that sticks out.
     let Some(semi) = one.shape.semi_axes_mm() else {
         return Ok(());
     };
-    within_height(key, one, semi[2], body.height_mm())?;
-    within_sides(key, one, semi, body)
+    all([within_height(key, one, semi[2], body.height_mm()), within_sides(key, one, semi, body)])
 }
 
 fn within_height(key: &str, one: &Inclusion, half_height: f64, phantom_height: f64) -> Result<(), Invalid> {

@@ -1,7 +1,7 @@
 //! Rules of the press: it fits phantom and stack, and nothing else says what it computes.
 
 use super::bounds::{NOT_NEGATIVE, POSITIVE, above, number};
-use super::{Invalid, phantom};
+use super::{Invalid, all, phantom};
 use crate::scene::{
     Dimensions, Face, Inner, Interface, Phantom, PhantomBody, Press, PressedSensor, Pressure, Scene, Shape, Stack,
 };
@@ -14,9 +14,13 @@ const LARGEST_EDGE: f64 = 1.0 / 3.0;
 const TOUCHING_MM: f64 = 1e-9;
 
 pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
-    if let Some(phantom) = &scene.phantom {
-        phantom::check(phantom)?;
-    }
+    let own = scene.phantom.as_ref().map_or(Ok(()), phantom::check);
+    // What presses leans on what is pressed.
+    let pressing = if own.is_ok() { pressing(scene) } else { Ok(()) };
+    all([own, pressing])
+}
+
+fn pressing(scene: &Scene) -> Result<(), Invalid> {
     let from_press = matches!(&scene.touch.contact, Some(contact) if contact.pressure == Pressure::Press);
     let (phantom, press) = match (&scene.phantom, &scene.press) {
         (Some(phantom), Some(press)) => (phantom, press),
@@ -31,39 +35,53 @@ pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
         }
         (None, None) => return Ok(()),
     };
-    touch(scene, from_press)?;
-    load(press, phantom.shape.height_mm())?;
-    if press.sensor == PressedSensor::Deformable && scene.stack.layer.iter().all(|layer| layer.elastic.is_none()) {
-        let message = "no layer of the stack has elastic, so none can deform; give it, or sensor = \"rigid\"";
-        return Err(Invalid::new("press.sensor", message));
-    }
-    face(press, scene.stack.footprint_mm, phantom)?;
-    edge(press, &scene.stack)?;
-    if let Interface::Coulomb { friction } = press.interface {
-        number("press.interface.friction", friction, above(0.0, 10.0, true), 0.5)?;
-    }
-    dimensions(press, phantom, scene)?;
-    number("press.resolution", press.resolution, 0.25..=16.0, 1.0)
+    let friction = match press.interface {
+        Interface::Coulomb { friction } => number("press.interface.friction", friction, above(0.0, 10.0, true), 0.5),
+        _ => Ok(()),
+    };
+    let face = face(press, scene.stack.footprint_mm, phantom);
+    let on_face = match &face {
+        Ok(()) => all([edge(press, &scene.stack), dimensions(press, phantom, scene)]),
+        Err(_) => Ok(()),
+    };
+    all([
+        touch(scene, from_press),
+        load(press, phantom.shape.height_mm()),
+        sensor(press, &scene.stack),
+        face,
+        on_face,
+        friction,
+        number("press.resolution", press.resolution, 0.25..=16.0, 1.0),
+    ])
 }
 
-/// Shape and pressure of the touched face come from the press alone.
-fn touch(scene: &Scene, from_press: bool) -> Result<(), Invalid> {
-    if scene.touch.shape != Shape::Flat {
-        return Err(Invalid::new("touch.shape", "the press gives the shape; leave it out or use kind = \"flat\""));
-    }
-    if scene.touch.inner != Inner::Follow {
-        return Err(Invalid::new("touch.inner", "the press moves the inner interfaces; leave it out"));
-    }
-    if scene.touch.contact.is_some() && !from_press {
-        return Err(Invalid::new(
-            "touch.contact.pressure",
-            "the press gives the pressure; use pressure = { kind = \"press\" }",
-        ));
+fn sensor(press: &Press, stack: &Stack) -> Result<(), Invalid> {
+    if press.sensor == PressedSensor::Deformable && stack.layer.iter().all(|layer| layer.elastic.is_none()) {
+        let message = "no layer of the stack has elastic, so none can deform; give it, or sensor = \"rigid\"";
+        return Err(Invalid::new("press.sensor", message));
     }
     Ok(())
 }
 
+/// Shape and pressure of the touched face come from the press alone.
+fn touch(scene: &Scene, from_press: bool) -> Result<(), Invalid> {
+    let rule = |holds: bool, key: &str, message: &str| if holds { Ok(()) } else { Err(Invalid::new(key, message)) };
+    let flat = scene.touch.shape == Shape::Flat;
+    let follows = scene.touch.inner == Inner::Follow;
+    let pressed = scene.touch.contact.is_none() || from_press;
+    all([
+        rule(flat, "touch.shape", "the press gives the shape; leave it out or use kind = \"flat\""),
+        rule(follows, "touch.inner", "the press moves the inner interfaces; leave it out"),
+        rule(pressed, "touch.contact.pressure", "the press gives the pressure; use pressure = { kind = \"press\" }"),
+    ])
+}
+
 fn load(press: &Press, phantom_height_mm: f64) -> Result<(), Invalid> {
+    all([amount(press, phantom_height_mm), number("press.hold_s", press.hold_s, NOT_NEGATIVE, 10.0), speed(press)])
+}
+
+/// Depths or forces, ascending.
+fn amount(press: &Press, phantom_height_mm: f64) -> Result<(), Invalid> {
     match (&press.depths_mm, &press.forces_n) {
         (Some(depths), None) => {
             ascending("press.depths_mm", depths, 1.0)?;
@@ -71,18 +89,21 @@ fn load(press: &Press, phantom_height_mm: f64) -> Result<(), Invalid> {
                 let message = format!("must be below the phantom's height of {phantom_height_mm}, reach {deepest}");
                 return Err(Invalid::new("press.depths_mm", message));
             }
+            Ok(())
         }
-        (None, Some(forces)) => ascending("press.forces_n", forces, 0.5)?,
+        (None, Some(forces)) => ascending("press.forces_n", forces, 0.5),
         (Some(_), Some(_)) => {
             let message = "give depths_mm or forces_n, not both; for example depths_mm = [1.0, 2.0, 4.0]";
-            return Err(Invalid::new("press.forces_n", message));
+            Err(Invalid::new("press.forces_n", message))
         }
         (None, None) => {
             let message = "give depths_mm or forces_n; for example depths_mm = [1.0, 2.0, 4.0]";
-            return Err(Invalid::new("press.depths_mm", message));
+            Err(Invalid::new("press.depths_mm", message))
         }
     }
-    number("press.hold_s", press.hold_s, NOT_NEGATIVE, 10.0)?;
+}
+
+fn speed(press: &Press) -> Result<(), Invalid> {
     match press.rate_mm_per_s {
         Some(_) if press.forces_n.is_some() => {
             let message = "goes with depths_mm: the speed of a press by force is not known; leave it out";

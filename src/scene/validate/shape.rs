@@ -1,7 +1,7 @@
 //! Rules of the touched face's shape: the dent fits in the soft layers and in the footprint.
 
-use super::Invalid;
 use super::bounds::{ANY, POSITIVE, number};
+use super::{Invalid, all};
 use crate::scene::{Inner, Scene, Shape, Stack};
 use std::path::Path;
 
@@ -15,28 +15,40 @@ pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
     match &scene.touch.shape {
         Shape::Flat => Ok(()),
         Shape::SphericalDent { depth_mm, radius_mm, center_mm } => {
-            depth(*depth_mm, scene)?;
-            number("touch.shape.radius_mm", *radius_mm, POSITIVE, 4.0)?;
-            if depth_mm > radius_mm {
-                let message = format!(
-                    "must be at most radius_mm ({radius_mm}), or the dent would overhang, is {depth_mm}; use a mesh for overhangs"
-                );
-                return Err(Invalid::new("touch.shape.depth_mm", message));
-            }
-            disc_in_footprint("touch.shape", *radius_mm, *center_mm, stack)
+            let radius = number("touch.shape.radius_mm", *radius_mm, POSITIVE, 4.0);
+            let fits = match &radius {
+                Ok(()) => all([
+                    overhang(*depth_mm, *radius_mm),
+                    disc_in_footprint("touch.shape", *radius_mm, *center_mm, stack),
+                ]),
+                Err(_) => Ok(()),
+            };
+            all([depth(*depth_mm, scene), radius, fits])
         }
         Shape::GaussianDent { depth_mm, sigma_mm, center_mm } => {
-            depth(*depth_mm, scene)?;
-            number("touch.shape.sigma_mm", *sigma_mm, POSITIVE, 3.0)?;
-            center_in_footprint("touch.shape", *center_mm, stack)?;
-            gaussian_flat_at_walls(*depth_mm, *sigma_mm, *center_mm, stack)
+            let own = all([
+                depth(*depth_mm, scene),
+                number("touch.shape.sigma_mm", *sigma_mm, POSITIVE, 3.0),
+                center_in_footprint("touch.shape", *center_mm, stack),
+            ]);
+            own.and_then(|()| gaussian_flat_at_walls(*depth_mm, *sigma_mm, *center_mm, stack))
         }
         Shape::HeightMap { file, scale_mm } => {
-            extension("touch.shape.file", file, &["exr", "png", "csv"])?;
-            number("touch.shape.scale_mm", *scale_mm, ANY, -1.0)
+            let known = extension("touch.shape.file", file, &["exr", "png", "csv"]);
+            all([known, number("touch.shape.scale_mm", *scale_mm, ANY, -1.0)])
         }
         Shape::Mesh { file, .. } => extension("touch.shape.file", file, &["obj", "stl", "ply"]),
     }
+}
+
+fn overhang(depth_mm: f64, radius_mm: f64) -> Result<(), Invalid> {
+    if depth_mm > radius_mm {
+        let message = format!(
+            "must be at most radius_mm ({radius_mm}), or the dent would overhang, is {depth_mm}; use a mesh for overhangs"
+        );
+        return Err(Invalid::new("touch.shape.depth_mm", message));
+    }
+    Ok(())
 }
 
 /// The dent stays above the rigid lowest layer where the inner interfaces follow, in the top layer where they do not.
@@ -60,23 +72,23 @@ fn depth(depth_mm: f64, scene: &Scene) -> Result<(), Invalid> {
 
 /// A disc wholly within the footprint; the key is the radius where no place would do, the centre otherwise.
 pub(super) fn disc_in_footprint(key: &str, radius_mm: f64, center_mm: [f64; 2], stack: &Stack) -> Result<(), Invalid> {
-    for (axis, (center, extent)) in center_mm.into_iter().zip(stack.footprint_mm).enumerate() {
+    let axes = center_mm.into_iter().zip(stack.footprint_mm).enumerate();
+    all(axes.map(|(axis, (center, extent))| {
         let room = extent / 2.0 - radius_mm;
         if room < 0.0 {
             let message = format!("must be at most {} to lie within the footprint, is {radius_mm}", extent / 2.0);
             return Err(Invalid::new(format!("{key}.radius_mm"), message));
         }
-        number(&format!("{key}.center_mm[{axis}]"), center, -room..=room, 0.0)?;
-    }
-    Ok(())
+        number(&format!("{key}.center_mm[{axis}]"), center, -room..=room, 0.0)
+    }))
 }
 
 /// A centre within the footprint.
 pub(super) fn center_in_footprint(key: &str, center_mm: [f64; 2], stack: &Stack) -> Result<(), Invalid> {
-    for (axis, (center, extent)) in center_mm.into_iter().zip(stack.footprint_mm).enumerate() {
-        number(&format!("{key}.center_mm[{axis}]"), center, -extent / 2.0..=extent / 2.0, 0.0)?;
-    }
-    Ok(())
+    let axes = center_mm.into_iter().zip(stack.footprint_mm).enumerate();
+    all(axes.map(|(axis, (center, extent))| {
+        number(&format!("{key}.center_mm[{axis}]"), center, -extent / 2.0..=extent / 2.0, 0.0)
+    }))
 }
 
 fn gaussian_flat_at_walls(depth_mm: f64, sigma_mm: f64, center_mm: [f64; 2], stack: &Stack) -> Result<(), Invalid> {

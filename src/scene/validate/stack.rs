@@ -1,8 +1,8 @@
 //! Rules of the stack: footprint, walls, layers, roughness.
 
 use super::bounds::{NOT_NEGATIVE, POSITIVE, above, number};
-use super::{Invalid, elastic};
-use crate::scene::{Layer, Roughness, Scene, Walls};
+use super::{Invalid, all, elastic};
+use crate::scene::{Layer, Roughness, Scene, Stack, Walls};
 
 /// Layers that the tracer's fixed-size interface table holds.
 const MAX_LAYERS: usize = 32;
@@ -14,13 +14,25 @@ const MIN_THICKNESS_MM: f64 = 1e-5;
 pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
     let stack = &scene.stack;
     let wavelength_nm = scene.light.wavelength_nm;
-    for (axis, extent) in stack.footprint_mm.into_iter().enumerate() {
-        number(&format!("stack.footprint_mm[{axis}]"), extent, above(0.0, MAX_EXTENT_MM, true), 30.0)?;
-    }
-    if let Walls::Mirror { reflectance } = stack.walls {
-        number("stack.walls.reflectance", reflectance, 0.0..=1.0, 0.95)?;
-    }
-    number("stack.surround_n", stack.surround_n, 1.0..=4.0, 1.0)?;
+    let extent = |axis: usize| {
+        let key = format!("stack.footprint_mm[{axis}]");
+        number(&key, stack.footprint_mm[axis], above(0.0, MAX_EXTENT_MM, true), 30.0)
+    };
+    let walls = match stack.walls {
+        Walls::Mirror { reflectance } => number("stack.walls.reflectance", reflectance, 0.0..=1.0, 0.95),
+        Walls::Clear | Walls::Black => Ok(()),
+    };
+    all([
+        extent(0),
+        extent(1),
+        walls,
+        number("stack.surround_n", stack.surround_n, 1.0..=4.0, 1.0),
+        layers(stack, wavelength_nm),
+        roughness("stack.lower_roughness", stack.lower_roughness, wavelength_nm),
+    ])
+}
+
+fn layers(stack: &Stack, wavelength_nm: f64) -> Result<(), Invalid> {
     if stack.layer.is_empty() || stack.layer.len() > MAX_LAYERS {
         let message = format!(
             "must have from 1 to {MAX_LAYERS} layers, has {}; give each a [[stack.layer]], touch side first",
@@ -28,16 +40,15 @@ pub(super) fn check(scene: &Scene) -> Result<(), Invalid> {
         );
         return Err(Invalid::new("stack.layer", message));
     }
-    for (index, one) in stack.layer.iter().enumerate() {
-        layer(&format!("stack.layer[{index}]"), one, wavelength_nm)?;
-    }
-    elastic::check_stack(&stack.layer)?;
+    let each = stack.layer.iter().enumerate();
+    let each = all(each.map(|(index, one)| layer(&format!("stack.layer[{index}]"), one, wavelength_nm)));
+    all([each, elastic::check_stack(&stack.layer)])?;
     if stack.height_mm() > MAX_EXTENT_MM {
         let message =
             format!("the layers must be at most {MAX_EXTENT_MM} mm thick together, are {}", stack.height_mm());
         return Err(Invalid::new("stack.layer", message));
     }
-    roughness("stack.lower_roughness", stack.lower_roughness, wavelength_nm)
+    Ok(())
 }
 
 fn layer(key: &str, layer: &Layer, wavelength_nm: f64) -> Result<(), Invalid> {
@@ -46,11 +57,20 @@ fn layer(key: &str, layer: &Layer, wavelength_nm: f64) -> Result<(), Invalid> {
         return Err(Invalid::new(format!("{key}.name"), message));
     }
     let thickness_key = format!("{key}.thickness_mm");
-    number(&thickness_key, layer.thickness_mm, POSITIVE, 2.0)?;
-    number(&thickness_key, layer.thickness_mm, MIN_THICKNESS_MM..=MAX_EXTENT_MM, 2.0)?;
+    all([
+        number(&thickness_key, layer.thickness_mm, POSITIVE, 2.0),
+        number(&thickness_key, layer.thickness_mm, MIN_THICKNESS_MM..=MAX_EXTENT_MM, 2.0),
+        index(key, layer, wavelength_nm),
+        number(&format!("{key}.absorption_per_mm"), layer.absorption_per_mm, NOT_NEGATIVE, 0.003),
+        roughness(&format!("{key}.upper_roughness"), layer.upper_roughness, wavelength_nm),
+    ])
+}
+
+/// One index, given or of a known material.
+fn index(key: &str, layer: &Layer, wavelength_nm: f64) -> Result<(), Invalid> {
     let index_key = format!("{key}.n");
     match (layer.n, layer.material) {
-        (Some(n), None) => number(&index_key, n, 1.0..=4.0, 1.41)?,
+        (Some(n), None) => number(&index_key, n, 1.0..=4.0, 1.41),
         (None, Some(material)) => {
             let (least, most) = material.fitted_range_nm();
             if material.n(wavelength_nm).is_none() {
@@ -60,16 +80,11 @@ fn layer(key: &str, layer: &Layer, wavelength_nm: f64) -> Result<(), Invalid> {
                 );
                 return Err(Invalid::new(format!("{key}.material"), message));
             }
+            Ok(())
         }
-        (Some(_), Some(_)) => {
-            return Err(Invalid::new(index_key, "give n or material, not both; for example n = 1.41"));
-        }
-        (None, None) => {
-            return Err(Invalid::new(index_key, "give n or material; for example n = 1.41"));
-        }
+        (Some(_), Some(_)) => Err(Invalid::new(index_key, "give n or material, not both; for example n = 1.41")),
+        (None, None) => Err(Invalid::new(index_key, "give n or material; for example n = 1.41")),
     }
-    number(&format!("{key}.absorption_per_mm"), layer.absorption_per_mm, NOT_NEGATIVE, 0.003)?;
-    roughness(&format!("{key}.upper_roughness"), layer.upper_roughness, wavelength_nm)
 }
 
 fn roughness(key: &str, roughness: Roughness, wavelength_nm: f64) -> Result<(), Invalid> {

@@ -15,7 +15,7 @@ fn the_rules_of_name_light_and_stack_hold() {
         rule("tsis-paper", "\"tsis-paper\"", "\"\" #!", "name", "plain folder name"),
         rule("tsis-paper", "= 532.0", "= 100 #!", "light.wavelength_nm", "at least 200 and at most 2000"),
         rule("tsis-paper", "[30.0, 30.0]", "[30.0, 0] #!", "stack.footprint_mm[1]", "positive"),
-        rule("tsis-paper", "{ kind = \"clear\" }", "{ kind = \"mirror\", reflectance = 1.1 } #!", "stack.walls.reflectance", "at most 1"),
+        rule("flat-bonded", "{ kind = \"black\" }", "{ kind = \"mirror\", reflectance = 1.1 } #!", "stack.walls.reflectance", "at most 1"),
         rule("tsis-paper", "surround_n = 1.0", "surround_n = 0.9 #!", "stack.surround_n", "at least 1 and at most 4"),
         rule("tsis-paper", "thickness_mm = 3.0", "thickness_mm = -2 #!", "stack.layer[1].thickness_mm", "must be positive, is -2; for example 2.0"),
         rule("tsis-paper", "thickness_mm = 3.0", "thickness_mm = 0 #!", "stack.layer[1].thickness_mm", "must be positive"),
