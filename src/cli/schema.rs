@@ -5,12 +5,19 @@ use clap::Args;
 
 /// Print the JSON schema of the scene file, for editors.
 #[derive(Debug, Args)]
-pub(super) struct Schema {}
+pub(super) struct Schema {
+    /// Print it as text to read (docs/SCENES.md) in place of JSON.
+    #[arg(long)]
+    markdown: bool,
+}
 
 impl Schema {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        // Alternate Display of a JSON value is indented.
-        print(&format!("{:#}", crate::scene::schema()))?;
+        match self.markdown {
+            true => print(&crate::scene::reference::reference())?,
+            // Alternate Display of a JSON value is indented.
+            false => print(&format!("{:#}", crate::scene::schema()))?,
+        }
         Ok(Outcome::Done)
     }
 }
