@@ -188,6 +188,36 @@ fn an_image_that_does_not_say_its_replicates_is_taken_to_have_few() {
 }
 
 #[test]
+fn compare_takes_folders_that_render_wrote() {
+    let place = Place::new();
+    for (folder, seed) in [("a", 1), ("b", 2)] {
+        std::fs::create_dir(place.path().join(folder)).unwrap();
+        place.radiance(&format!("{folder}/radiance.exr"), &film(seed, 1.0), UNIT);
+        place.write(&format!("{folder}/camera.png"), "not looked at");
+    }
+    let output = tirtouch_in(place.path(), &["compare", "a", "b", "--json"]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    assert_eq!((&json(&output)["a"], &json(&output)["b"]), (&"a".into(), &"b".into()));
+    std::fs::create_dir(place.path().join("empty")).unwrap();
+    let refused = tirtouch_in(place.path(), &["compare", "a", "empty"]);
+    assert_eq!(code(&refused), 2, "{refused:?}");
+    assert!(one_line(&refused).contains("radiance.exr") && one_line(&refused).contains("mean.exr"), "{refused:?}");
+}
+
+#[test]
+fn a_preset_of_the_other_kind_names_its_command() {
+    for (arguments, named) in [
+        (["run", "preset:frames-galea"], "a scan scene, which frames takes"),
+        (["inspect", "preset:frames-galea"], "a scan scene, which frames takes"),
+        (["frames", "preset:tsis-dent"], "a scene of a sensor, which run"),
+    ] {
+        let output = tirtouch(&arguments);
+        assert_eq!(code(&output), 2, "{output:?}");
+        assert!(one_line(&output).contains(named), "{output:?}");
+    }
+}
+
+#[test]
 fn dark_images_are_the_same_and_their_ratio_undefined() {
     let place = Place::new();
     let a = place.radiance("a.exr", &film(1, 0.0), UNIT);

@@ -46,9 +46,20 @@ impl Frame {
     pub fn top_grey(&self) -> u16 {
         top_grey(self.bit_depth)
     }
+
+    /// The highest grey level in it.
+    pub fn max_grey(&self) -> u16 {
+        self.grey.iter().copied().max().unwrap_or(0)
+    }
+
+    /// Pixels at the top grey level.
+    pub fn saturated_pixels(&self) -> usize {
+        self.grey.iter().filter(|&&grey| grey >= self.top_grey()).count()
+    }
 }
 
-fn top_grey(bit_depth: u32) -> u16 {
+/// The top grey level of a camera of so many bits, 2^bits - 1.
+pub fn top_grey(bit_depth: u32) -> u16 {
     ((1u32 << bit_depth.min(16)) - 1) as u16
 }
 

@@ -6,6 +6,8 @@
 pub mod exposure;
 pub mod noise;
 pub mod projection;
+pub mod suited;
 
-pub use exposure::{ExposureError, Frame, expected_electrons, expose};
+pub use exposure::{ExposureError, Frame, expected_electrons, expose, top_grey};
 pub use projection::{ProjectionError, View, mm_per_pixel};
+pub use suited::Suited;

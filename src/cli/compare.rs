@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// Compare two radiance images by their variances; exit code 1 when they differ.
 ///
-/// Each is a radiance.exr, or a folder with mean.exr and variance.exr (variance of the mean).
+/// Each is a radiance.exr, or a folder with one, or a folder with mean.exr and variance.exr (variance of the mean).
 #[derive(Debug, Args)]
 pub(super) struct Compare {
     /// The first image.
@@ -50,7 +50,13 @@ impl Compare {
     }
 
     fn read(&self, path: &Path) -> Result<(Film, Option<Provenance>), Failure> {
-        let (mut film, provenance) = read_radiance(path)?;
+        // A folder that render wrote holds one beside its pictures.
+        let inside = path.join("radiance.exr");
+        if path.is_dir() && !inside.is_file() && !path.join("mean.exr").is_file() {
+            let message = format!("{}: holds neither radiance.exr nor mean.exr and variance.exr", path.display());
+            return Err(Failure::input(message).in_file(path));
+        }
+        let (mut film, provenance) = read_radiance(if inside.is_file() { &inside } else { path })?;
         if film.replicates == 0 {
             film.replicates = self.replicates;
         }

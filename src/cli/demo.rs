@@ -1,7 +1,7 @@
 //! `demo`: the whole job on a scene that comes with the program.
 
 use super::job::Order;
-use super::measure::Reading;
+use super::measure::SceneReading;
 use super::run::{Loads, whole_job};
 use super::{Common, Failure, Outcome, OutputFolder, print};
 use clap::Args;
@@ -31,7 +31,7 @@ impl Demo {
         let place = common.out.clone().unwrap_or_else(|| PathBuf::from("out/demo"));
         let folder = OutputFolder::create(&place, common.force || common.out.is_none())?;
         let job = Order::read(Path::new(SCENE), &common)?.prepare()?;
-        let reading = Reading { threshold: 5.0, reference: None, subtract_baseline: true, calibration: None };
+        let reading = SceneReading { subtract_baseline: true, ..SceneReading::default() };
         let out = whole_job(&job, &reading, &common, Loads::Last, folder)?;
         if !(common.talk.json || common.talk.quiet) {
             print(&format!("\nOpen {} in a browser.", out.join("report.html").display()))?;

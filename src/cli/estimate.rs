@@ -1,8 +1,8 @@
 //! `estimate`: the paper's figures of images from anywhere.
 
-use super::facts::columns;
-use super::job::load_scene;
-use super::measure::{Reading, grey_image, less};
+use super::facts::{columns, figure};
+use super::job::{load_scene, view};
+use super::measure::{Reading, Threshold, grey_image, less};
 use super::run::said;
 use super::{Failure, Outcome, Talk, note, print};
 use crate::camera::expose;
@@ -22,9 +22,13 @@ pub(super) struct Estimate {
     images: Vec<PathBuf>,
     #[command(flatten)]
     reading: Reading,
-    /// Expose EXR images, taken as radiance, with the camera of this scene (file or preset:NAME).
+    /// The camera of this scene (file or preset:NAME) took the images: it exposes EXRs, taken as radiance, and gives the scale
+    /// of all.
     #[arg(long, value_name = "SCENE")]
     exposure: Option<PathBuf>,
+    /// Bits of the camera whose levels lie in PNG or TIFF of 16 bits: tells what is saturated.
+    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(8..=16), allow_negative_numbers = true)]
+    full_scale_bits: Option<u32>,
     #[command(flatten)]
     talk: Talk,
 }
@@ -33,6 +37,7 @@ pub(super) struct Estimate {
 struct Measured {
     path: PathBuf,
     image: GreyImage,
+    threshold_grey: f64,
     paper: PaperEstimate,
     estimates: Estimates,
 }
@@ -40,29 +45,52 @@ struct Measured {
 impl Estimate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let camera = self.exposure.as_deref().map(load_scene).transpose()?.map(|(loaded, _)| loaded.scene);
-        let calibration = self.reading.calibration()?;
+        let calibration = match (self.reading.calibration()?, &camera) {
+            (None, Some(scene)) => Some(Calibration {
+                mm_per_pixel: view(scene)?.mm_per_pixel(),
+                bottom_area_mm2: None,
+                force_n_from_sum_grey: None,
+            }),
+            (given, _) => given,
+        };
         let reference = match &self.reading.reference {
             Some(path) => Some(self.read(path, camera.as_ref())?),
             None => None,
         };
-        let settings = Settings { threshold_grey: self.reading.threshold, ..Settings::default() };
         let measure = |path: &PathBuf| {
             let raw = self.read(path, camera.as_ref())?;
             let image = match &reference {
                 Some(reference) => less(&raw, reference, self.reading.reference.as_deref())?,
                 None => raw,
             };
-            let paper = estimate(&image, &settings);
+            let threshold_grey = self.threshold_grey(path, &image)?;
+            let paper = estimate(&image, &Settings { threshold_grey, ..Settings::default() });
             let estimates = Estimates::from_paper(&paper, calibration.as_ref());
-            Ok(Measured { path: path.clone(), image, paper, estimates })
+            Ok(Measured { path: path.clone(), image, threshold_grey, paper, estimates })
         };
         let measured = self.images.iter().map(measure).collect::<Result<Vec<_>, Failure>>()?;
-        let relative = relative_stiffness(&measured, &settings, calibration.as_ref());
+        let relative = relative_stiffness(&measured, calibration.as_ref());
         match self.talk.json {
             true => print(&self.json(&measured, &relative).to_string())?,
             false => print(&self.text(&measured, &relative))?,
         }
         Ok(Outcome::Done)
+    }
+
+    /// The threshold in grey levels of an image.
+    fn threshold_grey(&self, path: &Path, image: &GreyImage) -> Result<f64, Failure> {
+        match (self.reading.threshold, image.top_grey()) {
+            (Threshold::Levels(levels), _) => Ok(levels),
+            (share, Some(top)) => Ok(share.of(top)),
+            (share, None) => {
+                let message = format!(
+                    "{}: has no full scale that `--threshold {share}` could be a share of; give the threshold as a number, or \
+                     `--exposure SCENE`",
+                    path.display()
+                );
+                Err(Failure::usage(message).in_file(path))
+            }
+        }
     }
 
     /// Grey levels of an image; an EXR is exposed where a camera is given.
@@ -75,7 +103,10 @@ impl Estimate {
                 .map_err(|error| Failure::input(format!("{}: {error}", path.display())).in_file(path))?;
             return Ok(GreyImage::from_frame(&frame)?);
         }
-        let (image, linear) = grey_image(path)?;
+        let (image, linear) = grey_image(path, self.full_scale_bits)?;
+        if let Some(scene) = camera {
+            same_pixels(path, &image, scene)?;
+        }
         if linear && !self.talk.quiet {
             note(&format!(
                 "{}: an EXR has no grey levels: its values are taken as they are, and so is the threshold; `--exposure SCENE` exposes it",
@@ -87,16 +118,18 @@ impl Estimate {
 
     fn json(&self, measured: &[Measured], relative: &Result<Stiffness, String>) -> Value {
         let image = |one: &Measured| {
+            let mut paper = json!(one.paper);
+            paper["threshold_grey"] = json!(one.threshold_grey);
             json!({
                 "image": one.path.display().to_string(),
                 "pixels": [one.image.width(), one.image.height()],
-                "paper": one.paper,
+                "paper": paper,
                 "estimates": one.estimates,
             })
         };
         json!({
             "images": measured.iter().map(image).collect::<Vec<_>>(),
-            "threshold_grey": self.reading.threshold,
+            "threshold_grey": common_threshold(measured),
             "reference": self.reading.reference.as_ref().map(|path| path.display().to_string()),
             "stiffness": match relative {
                 Ok(stiffness) => json!(stiffness),
@@ -108,12 +141,12 @@ impl Estimate {
     fn text(&self, measured: &[Measured], relative: &Result<Stiffness, String>) -> String {
         let row = |name: &str, value: String| (name.to_owned(), value);
         let mut text = String::new();
-        for Measured { path, image, paper, estimates } in measured {
+        for Measured { path, image, threshold_grey, paper, estimates } in measured {
             let mut rows = vec![
                 row("pixels", format!("{} x {}", image.width(), image.height())),
                 row(
                     "lit area",
-                    format!("{} (threshold {})", said(&paper.diameter_px, "pixels across"), self.reading.threshold),
+                    format!("{} (threshold {})", said(&paper.diameter_px, "pixels across"), figure(*threshold_grey)),
                 ),
                 row("size", said(&estimates.size_mm, "mm")),
                 row("centroid", format!("column {}", said(&paper.centroid_px.axis(0), "px"))),
@@ -138,14 +171,41 @@ impl Estimate {
 }
 
 /// What two images say about stiffness, or why they do not.
-fn relative_stiffness(
-    measured: &[Measured],
-    settings: &Settings,
-    calibration: Option<&Calibration>,
-) -> Result<Stiffness, String> {
+fn relative_stiffness(measured: &[Measured], calibration: Option<&Calibration>) -> Result<Stiffness, String> {
     match (measured, calibration) {
-        ([first, second], Some(calibration)) => Ok(stiffness(&first.image, &second.image, settings, calibration)),
+        ([first, second], _) if first.image.top_grey() != second.image.top_grey() => {
+            Err("the images' grey levels end at different values, and so cannot be compared".into())
+        }
+        ([first, second], Some(calibration)) => {
+            let settings = Settings { threshold_grey: first.threshold_grey, ..Settings::default() };
+            Ok(stiffness(&first.image, &second.image, &settings, calibration))
+        }
         ([_, _], None) => Err("no calibration gives force and pressure".into()),
         _ => Err(format!("it takes two images under different press, there are {}", measured.len())),
+    }
+}
+
+/// An image of as many pixels as the camera that is said to have taken it.
+fn same_pixels(path: &Path, image: &GreyImage, scene: &Scene) -> Result<(), Failure> {
+    let [width, height] = scene.camera.pixels;
+    let (found_width, found_height) = (image.width(), image.height());
+    if (found_width, found_height) == (width as usize, height as usize) {
+        return Ok(());
+    }
+    let message = format!(
+        "{}: has {found_width} x {found_height} pixels, the camera of {} has {width} x {height}",
+        path.display(),
+        scene.name
+    );
+    Err(Failure::input(message).in_file(path))
+}
+
+/// The threshold where it is the same for all images, grey levels.
+fn common_threshold(measured: &[Measured]) -> Value {
+    match measured {
+        [first, others @ ..] if others.iter().all(|one| one.threshold_grey == first.threshold_grey) => {
+            json!(first.threshold_grey)
+        }
+        _ => json!({"undefined": "the images end at different grey levels; each has its own"}),
     }
 }

@@ -1,6 +1,7 @@
 //! The figures of a shot in words, for the terminal and the report.
 
 use super::shot::{Shot, segments_per_second};
+use crate::film::RADIANCE_UNIT;
 
 /// Name and value of what was computed, in reading order.
 pub(super) fn facts(shot: &Shot) -> Vec<(String, String)> {
@@ -45,7 +46,7 @@ pub(super) fn mean_radiance(shot: &Shot) -> String {
             format!("0: {}", outcome.unseen.known_dark.unwrap_or_default())
         }
         (Some(bound), _) => {
-            format!("0: no path found light (below {} W/(m^2 sr) with 95 % confidence)", figure(bound))
+            format!("0: no path found light (below {} {RADIANCE_UNIT} with 95 % confidence)", figure(bound))
         }
         (None, Some(error)) => {
             let blocks = outcome.block_errors().into_iter().find(|(edge, _)| *edge == AREA_PIXELS);
@@ -53,13 +54,13 @@ pub(super) fn mean_radiance(shot: &Shot) -> String {
                 error.map(|error| format!(", of {edge} x {edge} pixels {} %", figure(100.0 * error)))
             });
             format!(
-                "{} W/(m^2 sr); relative error of a lit pixel {} %{}",
+                "{} {RADIANCE_UNIT}; relative error of a lit pixel {} %{}",
                 figure(outcome.mean_radiance),
                 figure(100.0 * error),
                 area.unwrap_or_default()
             )
         }
-        (None, None) => format!("{} W/(m^2 sr)", figure(outcome.mean_radiance)),
+        (None, None) => format!("{} {RADIANCE_UNIT}", figure(outcome.mean_radiance)),
     }
 }
 

@@ -47,6 +47,8 @@ struct Reading {
     features: Vec<Features>,
     /// Half width of the window, mm; absent: the whole contact.
     window_mm: Option<f64>,
+    /// Pressure up to which a place counts as not in contact, kPa.
+    noise_kpa: f64,
     /// Which frame is shown by itself.
     shown: usize,
 }
@@ -60,7 +62,7 @@ impl FramesCommand {
         let source = input.frames(self.show_mm, self.talk.quiet)?;
         let features = source.features(window_mm, self.noise_kpa)?;
         let shown = source.nearest(self.show_mm);
-        let reading = Reading { source, features, window_mm, shown };
+        let reading = Reading { source, features, window_mm, noise_kpa: self.noise_kpa, shown };
         if !self.talk.quiet {
             reading.notes().iter().for_each(|line| note(line));
         }
@@ -98,9 +100,10 @@ impl Reading {
     /// What a user would want to know before trusting the features.
     fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        let cut = self.source.frames.as_slice().iter().filter(|frame| is_cut(frame)).count();
+        let cut = self.source.frames.as_slice().iter().filter(|frame| is_cut(frame, self.noise_kpa)).count();
         if cut > 0 {
-            notes.push(format!("{cut} frames end within the contact: the pressure there is not 0"));
+            let above = if self.noise_kpa > 0.0 { "above the noise" } else { "not 0" };
+            notes.push(format!("{cut} frames end within the contact: the pressure there is {above}"));
         }
         let without = self.features.iter().filter(|f| f.peak_kpa.value().is_none()).count();
         if without > 0 {
@@ -187,9 +190,9 @@ impl Reading {
     }
 }
 
-/// Whether a frame has pressure at one of its ends.
-fn is_cut(frame: &Frame) -> bool {
-    [frame.pressure_kpa.first(), frame.pressure_kpa.last()].into_iter().flatten().any(|p| *p > 0.0)
+/// Whether a frame has more pressure than noise at one of its ends.
+fn is_cut(frame: &Frame, noise_kpa: f64) -> bool {
+    [frame.pressure_kpa.first(), frame.pressure_kpa.last()].into_iter().flatten().any(|p| *p > noise_kpa)
 }
 
 /// To a thousandth: an eccentricity of rounding alone is 0.

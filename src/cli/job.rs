@@ -164,10 +164,7 @@ impl Job {
 
     /// The pinhole's view through the undeformed stack.
     pub fn view(&self) -> Result<View, Failure> {
-        let scene = self.scene();
-        let lambda = scene.light.wavelength_nm;
-        let layers: Vec<_> = scene.stack.layer.iter().map(|layer| (layer.index(lambda), layer.thickness_mm)).collect();
-        Ok(View::new(&scene.camera, &layers, scene.stack.surround_n)?)
+        view(self.scene())
     }
 
     /// Electrons that the camera expects of a radiance image, row-major.
@@ -190,6 +187,13 @@ impl Job {
         }
         Ok(outcome)
     }
+}
+
+/// The pinhole's view through a scene's undeformed stack.
+pub(super) fn view(scene: &Scene) -> Result<View, Failure> {
+    let lambda = scene.light.wavelength_nm;
+    let layers: Vec<_> = scene.stack.layer.iter().map(|layer| (layer.index(lambda), layer.thickness_mm)).collect();
+    Ok(View::new(&scene.camera, &layers, scene.stack.surround_n)?)
 }
 
 /// An error of loading, with the preset that may have been meant.

@@ -11,6 +11,7 @@ mod demo;
 mod environment;
 mod error;
 mod estimate;
+mod expose;
 mod facts;
 mod flags;
 mod frames;
@@ -61,6 +62,7 @@ enum Command {
     Run(run::Run),
     Press(press::Press),
     Render(render::Render),
+    Expose(expose::Expose),
     Estimate(estimate::Estimate),
     Compare(compare::Compare),
     Frames(frames::FramesCommand),
@@ -77,6 +79,7 @@ impl Command {
             Self::Run(run) => run.run(),
             Self::Press(press) => press.run(),
             Self::Render(render) => render.run(),
+            Self::Expose(expose) => expose.run(),
             Self::Estimate(estimate) => estimate.run(),
             Self::Compare(compare) => compare.run(),
             Self::Frames(frames) => frames.run(),

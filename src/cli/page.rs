@@ -2,7 +2,7 @@
 
 use super::facts::{figure, mean_radiance};
 use super::inspect::layers;
-use super::measure::{Figures, Reading};
+use super::measure::{Figures, SceneReading};
 use super::output::command_line;
 use super::press_files::PressPictures;
 use super::press_page::press_section;
@@ -16,7 +16,7 @@ use crate::report::{Item, Report, Section, Table};
 pub(super) fn report(
     shot: &Shot,
     figures: &Figures,
-    reading: &Reading,
+    reading: &SceneReading,
     truth: &Truth,
     pictures: &Pictures,
     seen: &CameraPictures,
@@ -68,7 +68,7 @@ pub(super) fn picture(svg: &str, alt: &str, caption: impl Into<String>) -> Item 
     Item::Picture { svg: svg.to_owned(), alt: alt.to_owned(), caption: caption.into() }
 }
 
-fn camera(shot: &Shot, reading: &Reading, seen: &CameraPictures) -> Section {
+fn camera(shot: &Shot, reading: &SceneReading, seen: &CameraPictures) -> Section {
     let sensor = &shot.job.scene().camera.sensor;
     let exposure = format!(
         "Grey levels of camera.png: {} ms at f/{}, full well {} electrons, {} bits.",
@@ -77,19 +77,19 @@ fn camera(shot: &Shot, reading: &Reading, seen: &CameraPictures) -> Section {
         figure(sensor.full_well_e),
         sensor.bit_depth
     );
-    let mut items = vec![
-        picture(&seen.false_color, "camera image in false colour", exposure),
+    let frame = reading.reference_name().map_or_else(String::new, |name| {
+        format!(" The pictures show that frame less {name}, which is what was measured.")
+    });
+    let caption =
+        format!("{exposure}{frame} The line runs around the pixels above the threshold; the cross is their centroid.");
+    let items = vec![
+        picture(&seen.false_color, "the measured frame in false colour", caption),
         picture(&seen.relief, "relief of the grey levels", "The same grey levels as height."),
     ];
-    if reading.reference_name().is_some() {
-        items.push(Item::Text(
-            "The pictures show the raw frame; the estimates are of the frame less the reference.".into(),
-        ));
-    }
     Section { title: "What the camera sees".into(), items }
 }
 
-fn estimates(figures: &Figures, reading: &Reading, truth: &Truth) -> Section {
+fn estimates(figures: &Figures, reading: &SceneReading, truth: &Truth) -> Section {
     let image = match reading.reference_name() {
         Some(name) => format!("the frame less {name}"),
         None => "the raw frame".to_owned(),
@@ -100,7 +100,7 @@ fn estimates(figures: &Figures, reading: &Reading, truth: &Truth) -> Section {
             "Figures of the image as the TSIS paper defines them, of {image}, with a threshold of {} grey levels. \
              Intervals say how well the image's figures are known, not how well the object's: the lit area holds all \
              that glows, which is wider than what presses and grows with brightness.",
-            reading.threshold
+            figure(figures.threshold_grey)
         )),
         Item::from_paper(&figures.paper),
     ];

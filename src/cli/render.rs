@@ -25,6 +25,7 @@ impl Render {
         let folder = OutputFolder::create(&common.destination(order.name()), common.force)?;
         let job = order.prepare()?;
         let shot = Shot::take(&job, common.talk.quiet)?;
+        shot.note_exposure(common.talk.quiet);
         shot.write(&folder)?;
         let truth = Truth::of(job.scene().phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
         let mut result = Value::Object(shot.json());

@@ -2,7 +2,7 @@
 
 use super::facts::{columns, facts, figure, interval, ledger};
 use super::job::{Job, Order};
-use super::measure::{Figures, Reading};
+use super::measure::{Figures, SceneReading};
 use super::page::report;
 use super::press_files::write_press;
 use super::pressing::{NO_MECHANICS, press_json, press_rows};
@@ -20,7 +20,7 @@ pub(super) struct Run {
     /// Scene file, or preset:NAME for a scene that comes with the program.
     scene: PathBuf,
     #[command(flatten)]
-    reading: Reading,
+    reading: SceneReading,
     #[command(flatten)]
     common: Common,
 }
@@ -46,24 +46,25 @@ pub(super) enum Loads {
 /// Does the whole job, writes its folder and prints its figures; gives the folder's place.
 pub(super) fn whole_job(
     job: &Job,
-    reading: &Reading,
+    reading: &SceneReading,
     common: &Common,
     loads: Loads,
     folder: OutputFolder,
 ) -> Result<PathBuf, Failure> {
-    let calibration = reading.calibration()?;
+    let calibration = reading.image.calibration()?;
     let reference = match reading.subtract_baseline {
         true => Some(baseline(job, common, &folder)?),
-        false => reading.reference(job.scene().camera.pixels)?,
+        false => reading.reference(&job.scene().camera)?,
     };
     let earlier = match loads {
         Loads::All => earlier_loads(job, common, &folder)?,
         Loads::Last => Vec::new(),
     };
     let shot = Shot::take(job, common.talk.quiet)?;
+    shot.note_exposure(common.talk.quiet);
     let figures = reading.of_shot(&shot, reference.as_ref(), calibration.as_ref())?;
     let pictures = shot.write(&folder)?;
-    let seen = shot.camera_pictures()?;
+    let seen = shot.camera_pictures(&figures, reading.reference_name().as_deref())?;
     folder.write("camera_false_color.svg", &seen.false_color)?;
     folder.write("camera_relief.svg", &seen.relief)?;
     let lift_mm = job.scene().stack.height_mm();
@@ -79,7 +80,7 @@ pub(super) fn whole_job(
     let done = folder.commit(Some(&job.loaded.text), result)?;
     match common.talk.json {
         true => print(&done.json)?,
-        false => print(&text(&shot, &figures, reading, &done.out))?,
+        false => print(&text(&shot, &figures, &done.out))?,
     }
     Ok(PathBuf::from(done.out))
 }
@@ -107,14 +108,14 @@ fn earlier_loads(job: &Job, common: &Common, folder: &OutputFolder) -> Result<Ve
     Ok(frames)
 }
 
-fn json(shot: &Shot, figures: &Figures, reading: &Reading, earlier: &[Value]) -> Value {
+fn json(shot: &Shot, figures: &Figures, reading: &SceneReading, earlier: &[Value]) -> Value {
     let mut object = shot.json();
     if let Some(Value::Object(camera)) = object.get_mut("camera") {
-        let lit = shot.frame.grey.iter().filter(|&&grey| f64::from(grey) > reading.threshold).count();
+        let lit = shot.frame.grey.iter().filter(|&&grey| f64::from(grey) > figures.threshold_grey).count();
         camera.insert("lit_pixels".into(), json!(lit));
     }
     let mut paper = json!(figures.paper);
-    paper["threshold_grey"] = json!(reading.threshold);
+    paper["threshold_grey"] = json!(figures.threshold_grey);
     paper["reference"] = json!(reading.reference_name());
     object.insert("paper".into(), paper);
     object.insert("estimates".into(), json!(figures.estimates));
@@ -127,7 +128,7 @@ fn json(shot: &Shot, figures: &Figures, reading: &Reading, earlier: &[Value]) ->
     Value::Object(object)
 }
 
-fn text(shot: &Shot, figures: &Figures, reading: &Reading, out: &str) -> String {
+fn text(shot: &Shot, figures: &Figures, out: &str) -> String {
     let (paper, estimates) = (&figures.paper, &figures.estimates);
     let row = |name: &str, value: String| (name.to_owned(), value);
     let mut rows = facts(shot);
@@ -139,7 +140,11 @@ fn text(shot: &Shot, figures: &Figures, reading: &Reading, out: &str) -> String 
         row("light", ledger(shot)),
         row(
             "lit area",
-            format!("{} (threshold {} grey levels)", said(&paper.diameter_px, "pixels across"), reading.threshold),
+            format!(
+                "{} (threshold {} grey levels)",
+                said(&paper.diameter_px, "pixels across"),
+                figure(figures.threshold_grey)
+            ),
         ),
         row("size", said(&estimates.size_mm, "mm")),
         row("depth", said(&estimates.depth_mm, "mm")),

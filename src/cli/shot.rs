@@ -1,12 +1,15 @@
 //! A finished image: the camera's frame of it, its figures, and the files that show it.
 
+use super::facts::figure;
 use super::job::Job;
+use super::measure::Figures;
 use super::output::command_of_light;
 use super::side::side_picture;
-use super::{Failure, OutputFolder};
-use crate::camera::{Frame, expose};
+use super::{Failure, OutputFolder, note};
+use crate::camera::{Frame, Suited, expose};
+use crate::film::RADIANCE_UNIT;
 use crate::image_io::{Provenance, write_png_grey, write_radiance_as};
-use crate::report::{ColorScale, Raster, false_color, relief};
+use crate::report::{ColorScale, Raster, false_color, false_color_with, relief};
 use crate::trace::Outcome;
 use crate::trace::batch::Times;
 use crate::trace::exitance::Smoothing;
@@ -14,14 +17,12 @@ use serde_json::{Map, Value, json};
 use std::cell::Cell;
 use std::time::Instant;
 
-/// Unit of radiance, as written in files.
-const RADIANCE_UNIT: &str = "W/(m^2 sr)";
-
 /// An image with the camera's view of it.
 pub(super) struct Shot<'a> {
     pub job: &'a Job,
     pub outcome: Outcome,
     pub frame: Frame,
+    pub suited: Suited,
     pub mm_per_pixel: f64,
     /// The user's.
     pub seed: u32,
@@ -51,8 +52,9 @@ impl<'a> Shot<'a> {
         let outcome = job.trace(quiet)?;
         let (scene, seed) = (job.scene(), job.streams.seed);
         let frame = expose(&outcome.film, &scene.camera, scene.light.wavelength_nm, job.streams.sensor())?;
+        let suited = Suited::of(&outcome.film, &scene.camera, scene.light.wavelength_nm)?;
         let mm_per_pixel = job.view()?.mm_per_pixel();
-        Ok(Self { job, outcome, frame, mm_per_pixel, seed, files_seconds: Cell::new(0.0) })
+        Ok(Self { job, outcome, frame, suited, mm_per_pixel, seed, files_seconds: Cell::new(0.0) })
     }
 
     /// Writes radiance, camera image and pictures.
@@ -72,31 +74,29 @@ impl<'a> Shot<'a> {
 
     /// Writes the camera's frame.
     pub fn write_frame(&self, folder: &OutputFolder, name: &str) -> Result<(), Failure> {
-        let Frame { width, height, bit_depth, grey } = &self.frame;
-        // A PNG has 8 or 16 bits; levels of a depth between are written as they are.
-        let png_depth = if *bit_depth > 8 { 16 } else { 8 };
-        Ok(write_png_grey(&folder.path(name), *width, *height, grey, png_depth)?)
+        write_frame(&self.frame, folder, name)
     }
 
     fn pictures(&self) -> Result<Pictures, Failure> {
         let values: Vec<f64> = self.outcome.film.mean.iter().map(|&v| f64::from(v)).collect();
-        let raster = self.raster(&values, "radiance", "W/(m² sr)");
-        let name = &self.job.scene().name;
+        let raster = self.raster(&values, "radiance", RADIANCE_UNIT);
+        let title = format!("{}: radiance", self.job.scene().name);
+        let scale = scale_of(&values);
         Ok(Pictures {
-            radiance: false_color(&format!("{name}: radiance"), &raster, scale_of(&values))?,
-            relief: relief(&format!("{name}: radiance"), &raster)?,
+            radiance: false_color(&title, &raster, scale)?,
+            relief: relief(&title, &raster, scale)?,
             side: side_picture(self.job, self.seed)?,
         })
     }
 
-    /// The camera's frame in false colour and as a relief.
-    pub fn camera_pictures(&self) -> Result<CameraPictures, Failure> {
-        let values: Vec<f64> = self.frame.grey.iter().map(|&grey| f64::from(grey)).collect();
-        let raster = self.raster(&values, "grey level", "");
-        let title = format!("{}: camera", self.job.scene().name);
+    /// The frame that was measured, in false colour with what was measured, and as a relief. `less` is what was subtracted.
+    pub fn camera_pictures(&self, figures: &Figures, less: Option<&str>) -> Result<CameraPictures, Failure> {
+        let raster = self.raster(figures.image.grey(), "grey level", "");
+        let less = less.map_or_else(String::new, |name| format!(" less {name}"));
+        let title = format!("{}: camera{less}", self.job.scene().name);
         Ok(CameraPictures {
-            false_color: false_color(&title, &raster, ColorScale::Linear)?,
-            relief: relief(&title, &raster)?,
+            false_color: false_color_with(&title, &raster, ColorScale::Linear, &figures.marks())?,
+            relief: relief(&title, &raster, ColorScale::Linear)?,
         })
     }
 
@@ -114,6 +114,7 @@ impl<'a> Shot<'a> {
             scene_sha256: self.job.loaded.sha256.clone(),
             seed: self.seed,
             stream: Some(self.job.settings.seed),
+            sensor_seed: Some(self.job.streams.sensor()),
             spp: u32::try_from(outcome.spp).unwrap_or(u32::MAX),
             photons: outcome.photons,
             integrator: outcome.plan.method.name().into(),
@@ -204,25 +205,61 @@ impl<'a> Shot<'a> {
     }
 
     fn camera_json(&self) -> Value {
-        json!({
-            "pixels": [self.frame.width, self.frame.height],
-            "mm_per_pixel": self.mm_per_pixel,
-            "max_grey": self.max_grey(),
-            "top_grey": self.frame.top_grey(),
-            "saturated_pixels": self.saturated_pixels(),
-            "sum_grey": self.frame.grey.iter().map(|&grey| u64::from(grey)).sum::<u64>(),
-        })
+        camera_json(&self.frame, self.mm_per_pixel, &self.suited)
+    }
+
+    /// Notes an exposure that does not suit the image, unless `quiet`.
+    pub fn note_exposure(&self, quiet: bool) {
+        note_exposure(&self.suited, self.job.scene().camera.sensor.exposure_ms, quiet);
     }
 
     /// Highest grey level of the camera's frame.
     pub fn max_grey(&self) -> u16 {
-        self.frame.grey.iter().copied().max().unwrap_or(0)
+        self.frame.max_grey()
     }
 
     /// Pixels of the camera's frame at its top grey level.
     pub fn saturated_pixels(&self) -> usize {
-        let top = self.frame.top_grey();
-        self.frame.grey.iter().filter(|&&grey| grey >= top).count()
+        self.frame.saturated_pixels()
+    }
+}
+
+/// Writes a camera's frame.
+pub(super) fn write_frame(frame: &Frame, folder: &OutputFolder, name: &str) -> Result<(), Failure> {
+    let Frame { width, height, bit_depth, grey } = frame;
+    // A PNG has 8 or 16 bits; levels of a depth between are written as they are.
+    let png_depth = if *bit_depth > 8 { 16 } else { 8 };
+    Ok(write_png_grey(&folder.path(name), *width, *height, grey, png_depth)?)
+}
+
+/// What `--json` says of a camera's frame.
+pub(super) fn camera_json(frame: &Frame, mm_per_pixel: f64, suited: &Suited) -> Value {
+    json!({
+        "pixels": [frame.width, frame.height],
+        "mm_per_pixel": mm_per_pixel,
+        "max_grey": frame.max_grey(),
+        "top_grey": frame.top_grey(),
+        "saturated_pixels": frame.saturated_pixels(),
+        "sum_grey": frame.grey.iter().map(|&grey| u64::from(grey)).sum::<u64>(),
+        "suggested_exposure_ms": match suited {
+            Suited::Filled { suggested_ms, .. } => json!(suggested_ms),
+            Suited::Undefined(reason) => json!({"undefined": reason}),
+        },
+    })
+}
+
+/// Notes an exposure time that does not suit the image, unless `quiet`.
+pub(super) fn note_exposure(suited: &Suited, exposure_ms: f64, quiet: bool) {
+    let wrong = match suited {
+        _ if suited.is_dim() => "too dark",
+        _ if suited.is_saturated() => "saturated",
+        _ => return,
+    };
+    if let (Some(suggested_ms), false) = (suited.suggested_ms(), quiet) {
+        let (now, suits) = (figure(exposure_ms), figure(suggested_ms));
+        note(&format!(
+            "the image is {wrong} at an exposure of {now} ms; {suits} ms would suit it (`expose` takes it anew)"
+        ));
     }
 }
 

@@ -5,7 +5,7 @@ use super::job::Job;
 use crate::report::side_view::{SideLayer, SideLed};
 use crate::report::{Fate, RayPolyline, SideView, side_view};
 use crate::trace::cpu::End;
-use crate::trace::rays::{Ray, contact_profile, interface_profiles, sample_rays};
+use crate::trace::rays::{Ray, contact_profile, interface_profiles, leds_in_section, sample_rays};
 
 /// Rays sampled to choose from.
 const SAMPLED: usize = 600;
@@ -34,10 +34,10 @@ pub(super) fn side_picture(job: &Job, seed: u32) -> Result<String, Failure> {
     };
     let contact_mm = contact_stretches(&contact_profile(&job.model, PLACES));
     let rays = chosen(job, sample_rays(&job.model, SAMPLED, seed), &contact_mm);
-    let leds = job.model.leds.iter().filter(|led| led.wall < 2).map(|led| SideLed {
+    let leds = leds_in_section(&job.model).into_iter().map(|(led, half_chord)| SideLed {
         x_mm: (half_width_mm + led.gap) * if led.wall == 0 { 1.0 } else { -1.0 },
         z_mm: led.height,
-        diameter_mm: 2.0 * led.radius,
+        diameter_mm: 2.0 * half_chord,
     });
     Ok(side_view(&SideView {
         title: format!("{}: from the side", scene.name),
@@ -84,7 +84,11 @@ fn contact_stretches(profile: &[[f64; 2]]) -> Vec<[f64; 2]> {
 fn subtitle(job: &Job) -> String {
     let grid = job.contact.as_ref().is_some_and(|contact| contact.columns > 0);
     let tissue = if grid { " · tissue where its true contact is at least half of the median" } else { "" };
-    format!("section y = 0 · rays picked to show what becomes of light{tissue}")
+    let rays = match leds_in_section(&job.model).is_empty() {
+        true => "no LED lies in it, so there are no rays",
+        false => "rays picked to show what becomes of light",
+    };
+    format!("section y = 0 · {rays}{tissue}")
 }
 
 fn fate(ray: &Ray) -> Fate {

@@ -8,6 +8,8 @@ pub struct GreyImage {
     width: usize,
     height: usize,
     grey: Vec<f64>,
+    /// The camera's top grey level, where known.
+    top_grey: Option<f64>,
     saturated_pixels: usize,
 }
 
@@ -46,6 +48,18 @@ pub enum ImageError {
         /// Rows of the reference.
         reference_height: usize,
     },
+    /// Image and reference count grey levels to different ends, so that their difference means nothing.
+    #[error("the reference's {}, the image's {}; both must be of one depth", ends(reference), ends(image))]
+    ReferenceDepth {
+        /// Top grey level of the image; none where its values are no grey levels.
+        image: Option<f64>,
+        /// Top grey level of the reference.
+        reference: Option<f64>,
+    },
+}
+
+fn ends(top_grey: &Option<f64>) -> String {
+    top_grey.map_or_else(|| "values are no grey levels".into(), |top| format!("grey levels end at {top}"))
 }
 
 impl GreyImage {
@@ -61,7 +75,7 @@ impl GreyImage {
             return Err(ImageError::NotFinite { column: i % width, row: i / width, value });
         }
         let saturated_pixels = top_grey.map_or(0, |top| grey.iter().filter(|&&v| v >= top).count());
-        Ok(Self { width, height, grey: grey.to_vec(), saturated_pixels })
+        Ok(Self { width, height, grey: grey.to_vec(), top_grey, saturated_pixels })
     }
 
     /// The image of a camera frame.
@@ -79,7 +93,7 @@ impl GreyImage {
     /// of 0.4 sigma per pixel, which adds to the sum of grey values and pulls the centroid to the middle of the image.
     ///
     /// # Errors
-    /// Where the sizes differ.
+    /// Where the sizes or the top grey levels differ.
     pub fn minus(&self, reference: &GreyImage) -> Result<Self, ImageError> {
         if (self.width, self.height) != (reference.width, reference.height) {
             return Err(ImageError::ReferenceSize {
@@ -88,6 +102,9 @@ impl GreyImage {
                 reference_width: reference.width,
                 reference_height: reference.height,
             });
+        }
+        if self.top_grey != reference.top_grey {
+            return Err(ImageError::ReferenceDepth { image: self.top_grey, reference: reference.top_grey });
         }
         let grey = self.grey.iter().zip(&reference.grey).map(|(a, b)| a - b).collect();
         Ok(Self { grey, ..*self })
@@ -106,6 +123,11 @@ impl GreyImage {
     /// Grey values, row-major.
     pub fn grey(&self) -> &[f64] {
         &self.grey
+    }
+
+    /// The camera's top grey level, where known.
+    pub fn top_grey(&self) -> Option<f64> {
+        self.top_grey
     }
 
     /// Pixels at the top grey level of the camera, before any subtraction.
@@ -156,6 +178,15 @@ mod tests {
         let difference = image.minus(&reference).unwrap();
         assert_eq!(difference.grey(), [250.0, -1.0]);
         assert_eq!(difference.saturated_pixels(), 1);
+    }
+
+    #[test]
+    fn a_reference_of_another_depth_is_refused() {
+        let image = |top| GreyImage::new(1, 1, &[1.0], top).unwrap();
+        let refused = image(Some(255.0)).minus(&image(Some(65535.0))).unwrap_err();
+        assert_eq!(refused, ImageError::ReferenceDepth { image: Some(255.0), reference: Some(65535.0) });
+        assert!(image(Some(255.0)).minus(&image(None)).is_err(), "grey levels less radiances");
+        assert!(image(None).minus(&image(None)).is_ok());
     }
 
     #[test]

@@ -12,6 +12,9 @@ pub use groups::{Group, MOST_GROUPS};
 pub use ledger::Ledger;
 pub use tails::mean_interval;
 
+/// Unit of radiance, as it is written in files, pictures and text.
+pub const RADIANCE_UNIT: &str = "W/(m^2 sr)";
+
 /// A linear radiance image in W/(m^2 sr), row 0 at positive y, column 0 at negative x.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Film {

@@ -13,6 +13,7 @@ mod hostile;
 pub mod limits;
 mod picture;
 mod radiance;
+mod tiff_pages;
 
 pub use error::ImageError;
 pub use grey::{GreyImage, read_grey};

@@ -26,6 +26,8 @@ pub struct Provenance {
     pub seed: u32,
     /// Seed of the tracer's stream, which that seed, the scene and what the image is for give.
     pub stream: Option<u32>,
+    /// Seed of the noise of the camera frame that was made of it; none where there was no frame.
+    pub sensor_seed: Option<u32>,
     /// Camera paths per pixel.
     pub spp: u32,
     /// Photons sent from the LEDs.

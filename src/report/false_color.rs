@@ -3,6 +3,7 @@
 //! The colours are matplotlib's inferno: even steps of lightness, black where it is dark, readable without colour
 //! vision.
 
+use super::marks::{self, Marks};
 use super::raster::{Blocks, PictureError, Raster};
 use super::svg::{Anchor, Svg, text_width};
 use super::ticks;
@@ -26,14 +27,14 @@ const BITMAP_PX: usize = 900;
 
 /// The rule from values to the share of the colour map, 0 to 1.
 #[derive(Debug, Clone, Copy)]
-struct Mapping {
-    low: f64,
-    high: f64,
-    log: bool,
+pub(super) struct Mapping {
+    pub low: f64,
+    pub high: f64,
+    pub log: bool,
 }
 
 impl Mapping {
-    fn choose(blocks: &Blocks, scale: ColorScale) -> Self {
+    pub fn choose(blocks: &Blocks, scale: ColorScale) -> Self {
         let mut sorted = blocks.values.clone();
         sorted.sort_by(f64::total_cmp);
         let high = sorted.last().copied().unwrap_or(0.0);
@@ -54,7 +55,7 @@ impl Mapping {
         }
     }
 
-    fn share(&self, value: f64) -> f64 {
+    pub fn share(&self, value: f64) -> f64 {
         let share = if self.log {
             (value.max(self.low) / self.low).log10() / (self.high / self.low).log10()
         } else {
@@ -75,6 +76,23 @@ pub(super) fn color(share: f64) -> [u8; 3] {
 /// # Errors
 /// Where the raster's size does not fit or a number is not finite.
 pub fn false_color(title: &str, raster: &Raster, scale: ColorScale) -> Result<String, PictureError> {
+    draw(title, raster, scale, None)
+}
+
+/// The same with what was measured drawn on it.
+///
+/// # Errors
+/// As [`false_color`].
+pub fn false_color_with(
+    title: &str,
+    raster: &Raster,
+    scale: ColorScale,
+    marks: &Marks,
+) -> Result<String, PictureError> {
+    draw(title, raster, scale, Some(marks))
+}
+
+fn draw(title: &str, raster: &Raster, scale: ColorScale, marks: Option<&Marks>) -> Result<String, PictureError> {
     raster.check()?;
     let (least, most) = raster.range();
     let dark = least == 0.0 && most == 0.0;
@@ -87,7 +105,8 @@ pub fn false_color(title: &str, raster: &Raster, scale: ColorScale) -> Result<St
     let image_height = (image_width * aspect).max(4.0);
     let [x, y] = [24.0, 72.0];
     let bar_height = image_height.max(140.0);
-    let (width, height) = ((image_width + 170.0).max(420.0), y + bar_height + 56.0);
+    let legend = marks.map_or(0.0, |_| marks::LEGEND_PX);
+    let (width, height) = ((image_width + 170.0).max(420.0), y + bar_height + 56.0 + legend);
     let mut svg = Svg::new(width, height, title, &subtitle(raster, most));
 
     let rgb: Vec<u8> = blocks.values.iter().flat_map(|&v| color(mapping.share(v))).collect();
@@ -101,6 +120,10 @@ pub fn false_color(title: &str, raster: &Raster, scale: ColorScale) -> Result<St
         color_bar(&mut svg, bar, raster, &mapping)?;
     }
     scale_bar(&mut svg, [x, y + image_height + 26.0], image_width, raster);
+    if let Some(marks) = marks {
+        let legend_y = y + image_height + 26.0 + marks::LEGEND_PX;
+        marks::draw(&mut svg, [x, y, image_width, image_height], raster, marks, legend_y);
+    }
     Ok(svg.finish())
 }
 
@@ -163,7 +186,20 @@ mod tests {
         assert_well_formed(&svg);
         // 96 pixels of 0.3 mm are 28.8 mm; a quarter, rounded down.
         assert!(svg.contains(">5 mm<"), "scale bar");
-        assert!(svg.contains("radiance (W/(m² sr))") && svg.contains("data:image/png;base64,"));
+        assert!(svg.contains("radiance (W/(m^2 sr))") && svg.contains("data:image/png;base64,"));
+    }
+
+    #[test]
+    fn marks_stand_where_they_were_measured() {
+        let values = blob(100.0);
+        let grey = Raster { quantity: "grey level", unit: "", ..raster(&values) };
+        let marks = Marks { threshold: 5.0, centroid_px: Some([48.0, 36.0]) };
+        let svg = false_color_with("Frame", &grey, ColorScale::Linear, &marks).unwrap();
+        assert_well_formed(&svg);
+        // 96 pixels are 600 wide from 24, 72 are 450 high from 72: the middle is at 324, 297.
+        assert!(svg.contains("M316 297L332 297") && svg.contains(">above grey level 5<"), "{svg}");
+        let none = Marks { centroid_px: None, ..marks };
+        assert!(!false_color_with("Frame", &grey, ColorScale::Linear, &none).unwrap().contains("centroid"));
     }
 
     #[test]

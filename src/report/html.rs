@@ -94,7 +94,7 @@ const STYLE: &str = "\
 :root{color-scheme:light dark;--page:#f6f8fa;--card:#ffffff;--ink:#1f2328;--muted:#59636e;--hair:#d1d9e0;--accent:#0969da;--warn:#fff8c5;--warn-ink:#633c01}\
 @media (prefers-color-scheme:dark){:root{--page:#0d1117;--card:#161b22;--ink:#e6edf3;--muted:#9da7b1;--hair:#30363d;--accent:#4493f8;--warn:#3a2d0b;--warn-ink:#f0d58a}}\
 *{box-sizing:border-box}\
-body{margin:0;background:var(--page);color:var(--ink);font:16px/1.55 system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,sans-serif;font-variant-numeric:tabular-nums}\
+body{margin:0;overflow-wrap:break-word;background:var(--page);color:var(--ink);font:16px/1.55 system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,sans-serif;font-variant-numeric:tabular-nums}\
 main{max-width:58rem;margin:0 auto;padding:1.5rem 1rem 3rem}\
 h1{font-size:1.75rem;line-height:1.2;margin:.5rem 0 .5rem;text-wrap:balance}\
 h2{font-size:1.25rem;margin:2.5rem 0 .75rem;padding-bottom:.3rem;border-bottom:1px solid var(--hair)}\
@@ -116,7 +116,11 @@ thead th{border-top:0;font-weight:600;white-space:nowrap}tbody th{font-weight:40
 td.whole{white-space:nowrap}td.number{text-align:right;white-space:nowrap}th.number{text-align:right}\
 .undefined{color:var(--muted);font-style:italic}\
 .bar{width:35%;min-width:5rem}.bar i{display:block;height:.6rem;border-radius:3px;background:var(--accent);min-width:1px}\
-@media (max-width:40rem){figure{padding:.15rem}th,td{padding:.4rem .55rem}table{font-size:.86rem}thead th{white-space:normal}td.whole{white-space:normal}.bar{width:25%;min-width:3rem}}\
+@media (max-width:40rem){figure{padding:.15rem}th,td{padding:.4rem .55rem}table{font-size:.86rem}thead th{white-space:normal}td.whole{white-space:normal}.bar{width:25%;min-width:3rem}\
+table.wide,table.wide caption,table.wide tbody,table.wide tr{display:block}table.wide thead{display:none}\
+table.wide tr{border-top:1px solid var(--hair);padding:.3rem 0}\
+table.wide td{display:flex;justify-content:space-between;gap:1rem;border:0;padding:.12rem .55rem;text-align:right;white-space:normal}\
+table.wide td::before{content:attr(data-label);color:var(--muted);text-align:left}}\
 .warning{background:var(--warn);color:var(--warn-ink);border-radius:8px;padding:.6rem .9rem;margin:1rem 0}";
 
 impl Report {
@@ -183,20 +187,25 @@ fn item(item: &Item) -> Markup {
     }
 }
 
+/// Columns that a telephone has room for; rows of wider tables stand there as lists of name and value.
+const PHONE_COLUMNS: usize = 3;
+
 fn text_table(table: &Table) -> Markup {
     let numeric = |column: usize| {
         let mut cells = table.rows.iter().filter_map(|row| row.get(column)).peekable();
         cells.peek().is_some() && cells.all(|cell| starts_as_number(cell))
     };
     let class = |column: usize| numeric(column).then_some("number");
+    let is_wide = table.columns.len() > PHONE_COLUMNS;
+    let label = |column: usize| table.columns.get(column).map(String::as_str).unwrap_or_default();
     html! {
         div.scroll {
-            table {
+            table class=[is_wide.then_some("wide")] {
                 @if !table.caption.is_empty() { caption { (table.caption) } }
                 thead { tr { @for (i, name) in table.columns.iter().enumerate() { th scope="col" class=[class(i)] { (name) } } } }
                 tbody {
                     @for row in &table.rows {
-                        tr { @for (i, cell) in row.iter().enumerate() { td class=[class(i)] { (cell) } } }
+                        tr { @for (i, cell) in row.iter().enumerate() { td class=[class(i)] data-label=[is_wide.then(|| label(i))] { (cell) } } }
                     }
                 }
             }

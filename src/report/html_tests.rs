@@ -62,3 +62,16 @@ fn empty_report_is_a_page_without_empty_parts() {
     let html = Report { title: "t".into(), ..Default::default() }.to_html();
     assert!(!html.contains("<dl") && !html.contains("Provenance"));
 }
+
+#[test]
+fn rows_of_wide_tables_name_their_cells_for_narrow_screens() {
+    let texts = |count: usize| (0..count).map(|i| format!("c{i}")).collect::<Vec<_>>();
+    let page = |count: usize| {
+        let table = Table { caption: String::new(), columns: texts(count), rows: vec![texts(count)] };
+        let section = Section { title: "t".into(), items: vec![Item::Table(table)] };
+        Report { sections: vec![section], ..Default::default() }.to_html()
+    };
+    assert!(!page(3).contains("data-label=") && !page(3).contains("<table class"));
+    let wide = page(4);
+    assert!(wide.contains(r#"<table class="wide">"#) && wide.contains(r#"<td data-label="c3">c3</td>"#), "{wide}");
+}

@@ -11,7 +11,7 @@ pub struct Raster<'a> {
     pub values: &'a [f64],
     /// What the values are, such as "radiance" or "grey level".
     pub quantity: &'a str,
-    /// Their unit, such as "W/(m² sr)"; empty where there is none.
+    /// Their unit, such as "W/(m^2 sr)"; empty where there is none.
     pub unit: &'a str,
     /// Millimetres on the touched face per pixel, on the axis. Absent: lengths are in pixels.
     pub mm_per_pixel: Option<f64>,
@@ -80,7 +80,7 @@ impl Raster<'_> {
         self.mm_per_pixel.map_or((1.0, "pixels"), |mm| (mm, "mm"))
     }
 
-    /// The quantity with its unit in brackets behind a power of ten: "radiance (10⁻³ W/(m² sr))".
+    /// The quantity with its unit in brackets behind a power of ten: "radiance (10⁻³ W/(m^2 sr))".
     pub(super) fn quantity_label(&self, exponent: i32) -> String {
         let power = if exponent == 0 { String::new() } else { super::ticks::power_of_ten(exponent) };
         let unit = [power.as_str(), self.unit].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join(" ");
@@ -130,7 +130,7 @@ pub(super) mod tests {
     }
 
     pub fn raster(values: &[f64]) -> Raster<'_> {
-        Raster { width: 96, height: 72, values, quantity: "radiance", unit: "W/(m² sr)", mm_per_pixel: Some(0.3) }
+        Raster { width: 96, height: 72, values, quantity: "radiance", unit: "W/(m^2 sr)", mm_per_pixel: Some(0.3) }
     }
 
     #[test]
@@ -161,7 +161,7 @@ pub(super) mod tests {
     #[test]
     fn label_carries_unit_and_power_of_ten() {
         let values = blob(1.0);
-        assert_eq!(raster(&values).quantity_label(-3), "radiance (10⁻³ W/(m² sr))");
+        assert_eq!(raster(&values).quantity_label(-3), "radiance (10⁻³ W/(m^2 sr))");
         let grey = Raster { quantity: "grey level", unit: "", ..raster(&values) };
         assert_eq!(grey.quantity_label(0), "grey level");
     }

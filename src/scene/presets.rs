@@ -35,7 +35,7 @@ pub const SCAN_PRESETS: &[(&str, &str)] = &[("frames-galea", include_str!("../..
 /// # Errors
 /// When there is no preset of that name.
 pub fn preset(name: &str) -> Result<LoadedScene, SceneError> {
-    let (text, file) = find(PRESETS, name)?;
+    let (text, file) = find(PRESETS, name, (SCAN_PRESETS, "a scan scene, which frames takes"))?;
     parse(text, &file)
 }
 
@@ -44,17 +44,26 @@ pub fn preset(name: &str) -> Result<LoadedScene, SceneError> {
 /// # Errors
 /// When there is no scan scene of that name.
 pub fn scan_preset(name: &str) -> Result<LoadedScan, SceneError> {
-    let (text, file) = find(SCAN_PRESETS, name)?;
+    let others = (PRESETS, "a scene of a sensor, which run, render, press and inspect take");
+    let (text, file) = find(SCAN_PRESETS, name, others)?;
     parse_scan(text, &file)
 }
 
-fn find(presets: &[(&str, &'static str)], name: &str) -> Result<(&'static str, PathBuf), SceneError> {
-    match presets.iter().find(|(known, _)| *known == name) {
-        Some((_, text)) => Ok((text, PathBuf::from(format!("{name}.toml")))),
-        None => {
-            let names: Vec<&str> = presets.iter().map(|(known, _)| *known).collect();
-            let message = format!("there is no such preset; there are {}", names.join(", "));
-            Err(SceneError::of_file("unknown_preset", Path::new(name), message))
-        }
+/// Name and text of presets.
+type Presets = &'static [(&'static str, &'static str)];
+
+/// A preset of one kind; a name of the other kind is told what it is.
+fn find(presets: Presets, name: &str, others: (Presets, &str)) -> Result<(&'static str, PathBuf), SceneError> {
+    let named = |presets: Presets| presets.iter().find(|(known, _)| *known == name).map(|(_, text)| *text);
+    if let Some(text) = named(presets) {
+        return Ok((text, PathBuf::from(format!("{name}.toml"))));
     }
+    let (others, kind) = others;
+    let wrong = match named(others) {
+        Some(_) => format!("this preset is {kind}"),
+        None => "there is no such preset".to_owned(),
+    };
+    let names: Vec<&str> = presets.iter().map(|(known, _)| *known).collect();
+    let message = format!("{wrong}; here there are {}", names.join(", "));
+    Err(SceneError::of_file("unknown_preset", Path::new(name), message))
 }

@@ -4,7 +4,7 @@ use super::row::{Part, Row, Subject};
 use super::{Context, StabilityError, scenes};
 use crate::camera::expose;
 use crate::estimate::{Calibration, GreyImage, Settings, Value, estimate, stiffness};
-use crate::film::BlockAccumulator;
+use crate::film::{BlockAccumulator, RADIANCE_UNIT};
 use crate::scene::preset;
 use crate::trace::Method;
 use crate::trace::batch::{Batch, Pacer, Totals, Work};
@@ -52,7 +52,7 @@ fn dark(context: &Context, rows: &mut Vec<Row>) -> Result<(), StabilityError> {
         let image = batch.replicate(0, Work { spp, photons: 1 }, &mut |_, _| true)?;
         let subject = Subject::new(Part::Image, "flat stack, LEDs in air, nothing touches", tracer.name());
         let most = image.iter().copied().fold(0.0, f64::max);
-        let quantity = format!("brightest pixel, W/(m^2 sr), {} paths", spp as usize * image.len());
+        let quantity = format!("brightest pixel, {RADIANCE_UNIT}, {} paths", spp as usize * image.len());
         rows.push(subject.absolute(quantity, [most, 0.0], "all light is guided", 0.0, "not one path finds an LED"));
         let [width, height] = model.camera.size;
         let mut sums = BlockAccumulator::new(width, height);

@@ -5,6 +5,7 @@
 
 use super::cpu::vec3::V3;
 use super::cpu::{End, Limits, Path};
+use super::leds::Led;
 use super::model::Model;
 
 /// Most launches tried: enough for LEDs of which one launch in thousands lies near the section.
@@ -37,9 +38,19 @@ impl Ray {
     }
 }
 
+/// The LEDs at the x walls that the section cuts, each with half of the chord that it cuts, mm.
+pub fn leds_in_section(model: &Model<f64>) -> Vec<(&Led<f64>, f64)> {
+    let half_chord = |led: &Led<f64>| (led.radius.powi(2) - led.along.powi(2)).sqrt();
+    let cut = |led: &&Led<f64>| led.wall < 2 && led.along.abs() < led.radius;
+    model.leds.iter().filter(cut).map(|led| (led, half_chord(led))).collect()
+}
+
 /// Follows up to `count` photons launched in the section y = 0; fewer where the LEDs send few that way.
 pub fn sample_rays(model: &Model<f64>, count: usize, seed: u32) -> Vec<Ray> {
     let mut rays = Vec::new();
+    if leds_in_section(model).is_empty() {
+        return rays;
+    }
     for sample in 0..LAUNCHES {
         if rays.len() >= count {
             break;
@@ -58,9 +69,12 @@ pub fn sample_rays(model: &Model<f64>, count: usize, seed: u32) -> Vec<Ray> {
 /// Puts a photon that starts near the section into it; false where it does not.
 fn turn_into_section(path: &mut Path<f64>) -> bool {
     let index = path.p.dot(path.p).sqrt();
-    let near_disc = path.model.leds.iter().any(|led| led.wall == path.wall && led.along.abs() < led.radius);
+    // Moved into the section it must still start on an LED.
+    let on_led = leds_in_section(path.model)
+        .iter()
+        .any(|(led, half_chord)| led.wall == path.wall && (path.o.z - led.height).abs() <= *half_chord);
     let half_disc = path.model.leds.iter().map(|led| led.radius).fold(0.0, f64::max) * 0.5;
-    if path.wall > 1 || !near_disc || path.o.y.abs() > half_disc || path.p.y.abs() > NEAR * index {
+    if !on_led || path.o.y.abs() > half_disc || path.p.y.abs() > NEAR * index {
         return false;
     }
     let lengthened = index / path.p.x.hypot(path.p.z);
@@ -127,7 +141,7 @@ fn section(model: &Model<f64>, places: usize) -> Vec<f64> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::scene::preset;
+    use crate::scene::{LoadedScene, Wall, preset};
     use crate::surface::{contact_map, surface};
 
     fn model(name: &str) -> Model<f64> {
@@ -146,6 +160,33 @@ mod tests {
             assert_eq!(ray.points_mm[0][0].abs(), 15.0);
             assert!(ray.points_mm.iter().all(|p| p[1] == 0.0 && (0.0..=12.0).contains(&p[2]) || p[0].abs() > 15.0));
         }
+    }
+
+    #[test]
+    fn rays_start_on_the_leds_that_the_section_cuts() {
+        let mut loaded = preset("tsis-paper").unwrap();
+        // Along y: one in the section off its middle, one beside it, at either wall, and all others away.
+        let leds = &mut loaded.scene.led;
+        leds.truncate(2);
+        for (led, along_mm) in leds.iter_mut().zip([1.2, 2.0]) {
+            (led.wall, led.along_mm, led.diameter_mm) = (Wall::PlusX, along_mm, 3.0);
+        }
+        let flat = |loaded: &LoadedScene| Model::new(loaded, &surface(loaded).unwrap(), None).unwrap();
+        let cut: Model<f64> = flat(&loaded);
+        let leds = leds_in_section(&cut);
+        assert_eq!(leds.len(), 1, "the other's edge is 0.5 mm away");
+        // A chord 1.2 mm off the centre of a disc of radius 1.5 mm: 0.9 mm each way.
+        let (led, half_chord) = leds[0];
+        assert!((half_chord - 0.9).abs() < 1e-12 && led.along == 1.2);
+        let rays = sample_rays(&cut, 30, 1);
+        assert!(!rays.is_empty());
+        for ray in &rays {
+            let [x, y, z] = ray.points_mm[0];
+            assert!(x > 0.0 && y == 0.0 && (z - led.height).abs() <= half_chord, "{x} {y} {z}");
+        }
+        loaded.scene.led.remove(0);
+        let beside = flat(&loaded);
+        assert!(leds_in_section(&beside).is_empty() && sample_rays(&beside, 5, 1).is_empty());
     }
 
     #[test]

@@ -105,3 +105,77 @@ fn bad_images_and_calibrations_are_named() {
         assert!(one_line(&output).contains(named), "{output:?}");
     }
 }
+
+/// 2 x 2 pixels of the given levels in a file of 8 or 16 bits.
+fn four(place: &Place, name: &str, levels: [u16; 4], depth: u32) -> String {
+    write_png_grey(&place.path().join(name), 2, 2, &levels, depth).unwrap();
+    name.to_owned()
+}
+
+fn refused(place: &Place, arguments: &[&str]) -> String {
+    let output = tirtouch_in(place.path(), arguments);
+    assert_eq!(code(&output), 2, "{output:?}");
+    one_line(&output).to_owned()
+}
+
+#[test]
+fn a_reference_of_another_depth_is_refused() {
+    let place = Place::new();
+    let narrow = four(&place, "narrow.png", [9, 20, 30, 40], 8);
+    let wide = four(&place, "wide.png", [900, 2000, 3000, 4000], 16);
+    let exr = place.radiance("a.exr", &film(1, 1.0), UNIT);
+    for (image, reference) in [(&narrow, &wide), (&wide, &narrow), (&narrow, &exr)] {
+        let said = refused(&place, &["estimate", image, "--reference", reference, "--quiet"]);
+        assert!(said.contains(reference.as_str()) && (said.contains("one depth") || said.contains("pixels")), "{said}");
+    }
+    // A camera of 8 bits makes no frame of 16.
+    place.write("scene.toml", &small("tsis-paper").replace("pixels = [48, 36]", "pixels = [2, 2]"));
+    let said = refused(&place, &["run", "scene.toml", "--reference", &wide]);
+    assert!(said.contains("wide.png"), "{said}");
+}
+
+#[test]
+fn estimate_offers_no_baseline_that_it_cannot_make() {
+    let place = Place::new();
+    let image = four(&place, "a.png", [1, 2, 3, 4], 8);
+    assert!(refused(&place, &["estimate", &image, "--subtract-baseline"]).contains("--subtract-baseline"));
+}
+
+#[test]
+fn full_scale_can_be_declared_and_thresholds_are_shares_of_it() {
+    let place = Place::new();
+    let image = four(&place, "a.png", [16_383, 400, 300, 0], 16);
+    let paper =
+        |arguments: &[&str]| estimated(&place, &[&[image.as_str()], arguments].concat())["images"][0]["paper"].clone();
+    assert_eq!(paper(&[])["saturated_pixels"], 0, "unknown to a file of 16 bits");
+    assert_eq!(paper(&["--full-scale-bits", "14"])["saturated_pixels"], 1);
+    let said = paper(&["--full-scale-bits", "14", "--threshold", "2%"]);
+    assert_eq!((&said["threshold_grey"], &said["lit_pixels"]), (&Value::from(0.02 * 16_383.0), &Value::from(2)));
+    assert_eq!(paper(&["--threshold", "2%"])["lit_pixels"], 1, "2 % of 65,535 is 1311");
+    assert!(refused(&place, &["estimate", &image, "--full-scale-bits", "12"]).contains("row 1, column 1"));
+    let narrow = four(&place, "narrow.png", [0; 4], 8);
+    assert!(refused(&place, &["estimate", &narrow, "--full-scale-bits", "12"]).contains("has 8 bits"));
+    let exr = place.radiance("a.exr", &film(1, 1.0), UNIT);
+    assert!(refused(&place, &["estimate", &exr, "--threshold", "2%", "--quiet"]).contains("no full scale"));
+    for bad in ["100%", "x%", "%", "-1"] {
+        assert!(refused(&place, &["estimate", &image, "--threshold", bad]).contains("--threshold"), "{bad}");
+    }
+}
+
+#[test]
+fn the_camera_of_a_scene_gives_the_scale() {
+    let place = Place::new();
+    place.write("scene.toml", &small("tsis-paper").replace("pixels = [48, 36]", "pixels = [100, 80]"));
+    let image = disc(&place, "disc.png", 20.0, 100);
+    let said = estimated(&place, &[&image, "--exposure", "scene.toml"]);
+    let inspected = json(&tirtouch_in(place.path(), &["inspect", "scene.toml", "--json"]));
+    let scale = inspected["camera"]["mm_per_pixel"].as_f64().unwrap();
+    let size = |said: &Value| said["images"][0]["estimates"]["size_mm"]["value"].as_f64().unwrap();
+    let pixels = said["images"][0]["paper"]["diameter_px"]["value"].as_f64().unwrap();
+    assert!((size(&said) - pixels * scale).abs() < 1e-12 * size(&said), "{said}");
+    place.write("calibration.toml", "mm_per_pixel = 0.5\n");
+    let both = estimated(&place, &[&image, "--exposure", "scene.toml", "--calibration", "calibration.toml"]);
+    assert_eq!(size(&both), 0.5 * pixels, "a calibration wins");
+    let said = refused(&place, &["estimate", &image, "--exposure", "preset:tsis-paper"]);
+    assert!(said.contains("100 x 80") && said.contains("disc.png"), "{said}");
+}

@@ -91,6 +91,36 @@ fn frames_without_contact_have_undefined_features() {
 }
 
 #[test]
+fn pressure_within_the_noise_does_not_cut_a_contact() {
+    let place = Place::new();
+    let mut table = "position_mm,x_mm,pressure_kpa\n".to_owned();
+    for (position, x, pressure) in [
+        (0, -2, 0.1),
+        (0, -1, 3.0),
+        (0, 0, 5.0),
+        (0, 1, 3.0),
+        (0, 2, 0.1),
+        (1, -2, 0.0),
+        (1, -1, 3.0),
+        (1, 0, 5.0),
+        (1, 1, 3.0),
+        (1, 2, 0.0),
+    ] {
+        table.push_str(&format!("{position},{x},{pressure}\n"));
+    }
+    place.write("noisy.csv", &table);
+    let notes = |noise: &str| {
+        let flags = ["frames", "--measured", "noisy.csv", "--json", "--force", "--noise-kpa", noise];
+        let output = tirtouch_in(place.path(), &flags);
+        assert_eq!(code(&output), 0, "{output:?}");
+        json(&output)["notes"].to_string()
+    };
+    assert!(notes("0").contains("1 frames end within the contact"), "{}", notes("0"));
+    assert!(notes("0.05").contains("above the noise"), "{}", notes("0.05"));
+    assert!(!notes("0.1").contains("end within"), "{}", notes("0.1"));
+}
+
+#[test]
 fn wrong_use_of_frames_is_said() {
     let place = Place::new();
     place.write("scan.toml", &scan());

@@ -57,6 +57,7 @@ fn the_flat_sensor_is_exactly_dark() {
     assert_eq!(said["mean_radiance"], 0.0);
     assert!(said["relative_error"]["undefined"].is_string());
     assert!(said["known_dark"].is_string() && said["absolute_error"] == 0.0, "{said}");
+    assert!(said["camera"]["suggested_exposure_ms"]["undefined"].is_string());
     // Three over the number of paths, times the LEDs' radiance of some hundred W/(m^2 sr).
     assert!((1e-4..1e-1).contains(&said["mean_radiance_below"].as_f64().unwrap()), "{said}");
     let (film, provenance) = read_radiance(&place.path().join("out/tsis-paper/radiance.exr")).unwrap();
@@ -160,6 +161,10 @@ fn run_measures_what_the_camera_sees() {
 
     let out = place.path().join("out/press-hertz");
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    let picture = std::fs::read_to_string(out.join("radiance.svg")).unwrap();
+    for written in [&page, &picture] {
+        assert!(written.contains(UNIT) && !written.contains("m²"), "one way to write a unit");
+    }
     assert!(page.contains("What the camera sees") && page.contains("size"));
     assert!(out.join("camera_false_color.svg").is_file() && out.join("camera_relief.svg").is_file());
     let seen = read_grey(&out.join("camera.png")).unwrap();
@@ -273,4 +278,73 @@ fn few_pixels_see_the_same_light_for_a_time_or_an_error() {
         assert!((found[0] - exact[0]).abs() < 5.0 * found[1].hypot(exact[1]), "{flag}: {found:?} for {exact:?}");
         assert!(found[2] >= photons, "{flag}: {} photons", found[2]);
     }
+}
+
+#[test]
+fn expose_repeats_the_frame_of_a_rendered_folder_and_makes_others() {
+    let place = Place::new();
+    scene(&place, "tsis-dent");
+    let run = |arguments: &[&str]| {
+        let output = tirtouch_in(place.path(), arguments);
+        assert_eq!(code(&output), 0, "{output:?}");
+        output
+    };
+    let flags = ["--spp", "16", "--photons", "20000", "--backend", "cpu", "--seed", "9", "-o", "a", "--json"];
+    let rendered = json(&run(&[&["render", "scene.toml"], &flags[..]].concat()));
+    let frame = |name: &str| std::fs::read(place.path().join(name).join("camera.png")).unwrap();
+    let again = json(&run(&["expose", "a", "-o", "same", "--json"]));
+    assert!(frame("a") == frame("same"), "the same exposure and seed");
+    assert_eq!(again["camera"], rendered["camera"]);
+    assert_eq!(again["bit_depth"], 8);
+    run(&["expose", "a", "--scene", "scene.toml", "-o", "other", "--seed", "10", "--quiet"]);
+    assert!(frame("a") != frame("other"), "the seed is the noise's");
+
+    // A scene that says the flags' exposure and depth makes the same frame, and at the suggested time nothing is noted.
+    let suggested = rendered["camera"]["suggested_exposure_ms"].as_f64().unwrap();
+    let output = run(&[
+        "expose",
+        "a",
+        "--scene",
+        "scene.toml",
+        "-o",
+        "b",
+        "--exposure-ms",
+        &suggested.to_string(),
+        "--bit-depth",
+        "12",
+    ]);
+    assert!(!text(&output.stderr).contains("would suit"), "{output:?}");
+    let seen = read_grey(&place.path().join("b/camera.png")).unwrap();
+    let most = seen.values.iter().copied().fold(0.0, f64::max);
+    assert!(most > 0.6 * 4095.0, "12 bits in a file of 16: {most}");
+    let faint =
+        run(&["expose", "a", "--scene", "scene.toml", "-o", "c", "--exposure-ms", &(0.01 * suggested).to_string()]);
+    assert!(one_line(&faint).contains("too dark") && one_line(&faint).contains("would suit"), "{faint:?}");
+    let bright =
+        run(&["expose", "a", "--scene", "scene.toml", "-o", "d", "--exposure-ms", &(3.0 * suggested).to_string()]);
+    assert!(one_line(&bright).contains("saturated"), "{bright:?}");
+}
+
+#[test]
+fn expose_says_what_it_lacks() {
+    let place = Place::new();
+    place.radiance("a.exr", &film(1, 1.0), UNIT);
+    place.write("scene.toml", &small("tsis-paper").replace("pixels = [48, 36]", "pixels = [32, 32]"));
+    place.write("other.toml", &small("tsis-paper"));
+    for (arguments, named) in [
+        (&["a.exr"][..], "--scene"),
+        (&["missing", "--scene", "scene.toml"], "missing"),
+        (&["a.exr", "--scene", "other.toml"], "32 x 32"),
+        (&["a.exr", "--scene", "scene.toml", "--exposure-ms", "-1"], "exposure_ms"),
+        (&["a.exr", "--scene", "scene.toml", "--bit-depth", "20"], "bit_depth"),
+    ] {
+        let output = tirtouch_in(place.path(), &[&["expose", "--quiet"], arguments].concat());
+        assert_eq!(code(&output), 2, "{output:?}");
+        assert!(one_line(&output).contains(named), "{output:?}");
+        assert!(!place.path().join("out").exists());
+    }
+    let foreign =
+        tirtouch_in(place.path(), &["expose", "a.exr", "--scene", "scene.toml", "-o", "b", "--exposure-ms", "5"]);
+    assert_eq!(code(&foreign), 0, "{foreign:?}");
+    assert!(one_line(&foreign).contains("another scene"), "{foreign:?}");
 }

@@ -2,7 +2,7 @@
 
 use crate::cli::output::{Claim, RESULT, SCENE};
 use crate::cli::{Failure, cancel};
-use crate::film::Film;
+use crate::film::{Film, RADIANCE_UNIT};
 use crate::image_io::{Provenance, read_radiance, write_radiance};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -104,7 +104,8 @@ impl Records {
         }
         let film = make()?;
         let partial = path.with_extension(PARTIAL);
-        let provenance = Provenance { unit: "W/(m^2 sr)".into(), replicates: film.replicates, ..Provenance::default() };
+        let provenance =
+            Provenance { unit: RADIANCE_UNIT.into(), replicates: film.replicates, ..Provenance::default() };
         let _whole = cancel::ending();
         write_radiance(&partial, &film, &provenance)?;
         std::fs::rename(&partial, &path).map_err(|error| unwritable(&path, &error))?;

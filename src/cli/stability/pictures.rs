@@ -42,7 +42,7 @@ fn reflectance(context: &Context) -> Result<String, Failure> {
     Ok(curve_plot(&CurvePlot {
         title: "Reflectance next to the critical angle",
         subtitle: "index 1.411 to 1.41, unpolarised",
-        x: AxisName { quantity: "angle of incidence less the critical angle", unit: "µrad" },
+        x: AxisName { quantity: "angle of incidence less the critical angle", unit: "urad" },
         y: AxisName { quantity: "reflectance", unit: "" },
         curves,
         highest: None,
@@ -83,7 +83,7 @@ fn drift(context: &Context) -> Result<String, Failure> {
     let mut series = Vec::new();
     for tracer in &context.tracers {
         let samples = drift_curve(tracer, most)?;
-        for (name, dented) in [("planes", false), ("a dent of 1 µm", true)] {
+        for (name, dented) in [("planes", false), ("a dent of 1 um", true)] {
             let drift = |s: &DriftSample| if dented { s.dented } else { s.planes };
             let points = samples.iter().map(|s| LogPoint::plain([f64::from(s.bounces), drift(s)])).collect();
             let name = format!("{}, {name}", tracer.name());

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// p(x) = c0 + c1 x + c2 x², fitted over a window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Parabola {
-    /// c0 in kPa, c1 in kPa/mm, c2 in kPa/mm².
+    /// c0 in kPa, c1 in kPa/mm, c2 in kPa/mm^2.
     pub coefficients: [f64; 3],
     /// First and last place of the fit, mm.
     pub window_mm: [f64; 2],

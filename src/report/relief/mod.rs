@@ -5,6 +5,7 @@
 
 mod surface;
 
+use super::false_color::{ColorScale, Mapping};
 use super::raster::{Blocks, PictureError, Raster};
 use super::svg::{Anchor, Svg, text_width};
 use super::ticks::{self, Ticks};
@@ -21,12 +22,16 @@ const BOX_HEIGHT: f64 = 0.48;
 ///
 /// # Errors
 /// Where the raster's size does not fit or a number is not finite.
-pub fn relief(title: &str, raster: &Raster) -> Result<String, PictureError> {
+pub fn relief(title: &str, raster: &Raster, scale: ColorScale) -> Result<String, PictureError> {
     raster.check()?;
     let blocks = raster.blocks(CELLS[0] + 1, CELLS[1] + 1);
-    let (least, most) = blocks.values.iter().fold((0.0f64, 0.0f64), |(l, h), &v| (l.min(v), h.max(v)));
-    let heights = ticks::linear(least, most, 5);
-    let stage = Stage::new(raster, least, most);
+    let most = blocks.values.iter().copied().fold(0.0, f64::max);
+    let mapping = Mapping::choose(&blocks, scale);
+    let heights = match mapping.log {
+        true => Ticks { marks: ticks::logarithmic(mapping.low, mapping.high), exponent: 0 },
+        false => ticks::linear(mapping.low, mapping.high, 5),
+    };
+    let stage = Stage::new(raster, mapping);
     let mut svg = Svg::new(stage.size[0], stage.size[1], title, &subtitle(raster, &blocks, most));
     walls(&mut svg, &stage, &heights);
     surface::draw(&mut svg, &stage, &blocks);
@@ -48,24 +53,21 @@ struct Stage {
     half: [f64; 2],
     /// Half extents in the unit of length.
     half_length: [f64; 2],
-    least: f64,
-    span: f64,
+    mapping: Mapping,
     scale: f64,
     center: [f64; 2],
     size: [f64; 2],
 }
 
 impl Stage {
-    fn new(raster: &Raster, least: f64, most: f64) -> Self {
+    fn new(raster: &Raster, mapping: Mapping) -> Self {
         let (pixel, _) = raster.pixel_length();
         let half_length = [0.5 * pixel * raster.width as f64, 0.5 * pixel * raster.height as f64];
         let longer = half_length[0].max(half_length[1]);
-        let span = if most > least { most - least } else { 1.0 };
         let mut stage = Self {
             half: half_length.map(|l| l / longer),
             half_length,
-            least,
-            span,
+            mapping,
             scale: 1.0,
             center: [0.0, 0.0],
             size: [0.0, 0.0],
@@ -96,7 +98,7 @@ impl Stage {
     }
 
     fn height(&self, value: f64) -> f64 {
-        (value - self.least) / self.span
+        self.mapping.share(value)
     }
 }
 
@@ -167,7 +169,9 @@ fn axes(svg: &mut Svg, stage: &Stage, raster: &Raster, heights: &Ticks) {
     }
     let [x, y] = at(-1., -1., 0.5);
     let widest = heights.marks.iter().map(|(_, l)| text_width(l)).fold(0.0, f64::max);
-    svg.text_upward([x - 22.0 - widest, y], "tt-muted", &raster.quantity_label(heights.exponent));
+    let label = raster.quantity_label(heights.exponent);
+    let label = if stage.mapping.log { format!("{label}, logarithmic") } else { label };
+    svg.text_upward([x - 22.0 - widest, y], "tt-muted", &label);
 }
 
 fn power_prefix(exponent: i32) -> String {
@@ -195,7 +199,7 @@ mod tests {
     fn relief_names_axes_and_units_and_stays_small() {
         let values = blob(180.0);
         let grey = Raster { quantity: "grey level", unit: "", ..raster(&values) };
-        let svg = relief("Relief", &grey).unwrap();
+        let svg = relief("Relief", &grey, ColorScale::Linear).unwrap();
         assert_well_formed(&svg);
         assert!(svg.contains("x (mm)") && svg.contains("y (mm)") && svg.contains("grey level"));
         // 95 x 71 quads of some 40 bytes and as many for their paint.
@@ -205,25 +209,40 @@ mod tests {
     #[test]
     fn without_a_scale_the_axes_are_in_pixels() {
         let values = blob(1.0);
-        let svg = relief("Relief", &Raster { mm_per_pixel: None, ..raster(&values) }).unwrap();
+        let svg = relief("Relief", &Raster { mm_per_pixel: None, ..raster(&values) }, ColorScale::Linear).unwrap();
         assert!(svg.contains("x (pixels)"));
     }
 
     #[test]
     fn dark_flat_and_single_pixel_images_are_drawn() {
         let dark = blob(0.0);
-        let svg = relief("Relief", &raster(&dark)).unwrap();
+        let svg = relief("Relief", &raster(&dark), ColorScale::Linear).unwrap();
         assert_well_formed(&svg);
         assert!(svg.contains("dark: maximum 0"));
         assert!(svg.len() < 20_000, "a flat surface is a few strips: {}", svg.len());
         let one = [2.0];
-        assert_well_formed(&relief("Relief", &Raster { width: 1, height: 1, values: &one, ..raster(&one) }).unwrap());
+        assert_well_formed(
+            &relief("Relief", &Raster { width: 1, height: 1, values: &one, ..raster(&one) }, ColorScale::Linear)
+                .unwrap(),
+        );
+    }
+
+    #[test]
+    fn a_logarithmic_relief_gives_each_decade_an_equal_height() {
+        let values = blob(1.0);
+        let linear = relief("Relief", &raster(&values), ColorScale::Linear).unwrap();
+        let log = relief("Relief", &raster(&values), ColorScale::Log).unwrap();
+        assert!(log.contains("logarithmic") && !linear.contains("logarithmic"));
+        let stage = Stage::new(&raster(&values), Mapping { low: 1e-3, high: 1.0, log: true });
+        for (value, height) in [(1.0, 1.0), (1e-1, 2.0 / 3.0), (1e-3, 0.0), (0.0, 0.0)] {
+            assert!((stage.height(value) - height).abs() < 1e-12, "{value}");
+        }
     }
 
     #[test]
     fn higher_values_are_drawn_higher() {
         let values = blob(1.0);
-        let stage = Stage::new(&raster(&values), 0.0, 1.0);
+        let stage = Stage::new(&raster(&values), Mapping { low: 0.0, high: 1.0, log: false });
         assert!(stage.project(0.0, 0.0, 1.0)[1] < stage.project(0.0, 0.0, 0.0)[1]);
         // Nearer points are lower in the picture.
         assert!(stage.project(1.0, -1.0, 0.0)[1] > stage.project(-1.0, 1.0, 0.0)[1]);

@@ -50,7 +50,7 @@ pub struct SideLed {
     pub x_mm: f64,
     /// Height of its centre, mm.
     pub z_mm: f64,
-    /// Diameter, mm.
+    /// Extent along its wall in the section: a chord of its disc, mm.
     pub diameter_mm: f64,
 }
 
