@@ -258,9 +258,11 @@ mod tests {
         assert!((bound(64) / bound(1024) - 16.0).abs() < 1e-6);
         // No pixel is brighter than an LED, however few the paths: of one path a pixel, three finds in three of four pixels.
         assert!((bound(1) * 1.96 / model.unit_radiance - 0.75f64.sqrt()).abs() < 1e-6, "{}", bound(1));
-        // Where photons gather the light, none of few says as little.
+        // Where photons gather the light, theirs adds to what camera paths leave open: three of one photon are more than there is.
         let map = |photons| Unseen::of(&model, film, Traced { method: Method::Map, spp: 1 << 20, photons }).mean_below;
-        assert!(map(1 << 10).unwrap() > 100.0 * map(1 << 20).unwrap() && map(1 << 10).unwrap() > mean);
+        let paths = 3.0 / f64::from(4 << 20) * model.unit_radiance;
+        let by_photons = |photons| map(photons).unwrap() - paths;
+        assert!((by_photons(1) / by_photons(1 << 10) / 1024.0 - 1.0).abs() < 1e-6 && by_photons(1) > mean);
     }
 
     #[test]

@@ -103,12 +103,12 @@ fn traced(mut backend: Backend, model: &Model<f64>, method: Method) -> Result<Ve
     batch.replicate(0, WORK, &mut |_, _| true)
 }
 
-/// A path's sum holds 65,536 units, a deposit's cell 2^32 photons: LEDs in view of 1e6 units, and tissue whose 1/n^2 is 1e16.
+/// A path's sum holds 65,536 units, a deposit's cell 2^32 photons: LEDs of 1e12 units, seen through faces that let a hundredth through, and tissue whose 1/n^2 is 1e16.
 #[test]
 fn light_beyond_what_the_sums_hold_is_reported_and_does_not_wrap() {
     let good = model(&lamps("100"));
     let mut bright = Case::preset("flat-bonded").model([24, 18]);
-    bright.leds.iter_mut().for_each(|led| led.radiance = 1e6);
+    bright.leds.iter_mut().for_each(|led| led.radiance = 1e12);
     let mut thin = good.clone();
     if let Some(tissue) = &mut thin.tissue {
         tissue.n = 1e-8;
