@@ -197,13 +197,32 @@ fn once(
     settings: &Settings,
     observe: &mut dyn FnMut(Stage) -> bool,
 ) -> Result<Outcome, TraceError> {
+    let start = Instant::now();
+    let (mut backend, notice) = Backend::open(settings.backend, settings.precision, model)?;
+    let opening = start.elapsed().as_secs_f64();
+    let outcome = render_on(&mut backend, model, settings, observe)?;
+    let setup_seconds = opening + outcome.setup_seconds;
+    Ok(Outcome {
+        notice: notice.into_iter().chain(outcome.notice).reduce(|a, b| a + "; " + &b),
+        setup_seconds,
+        ..outcome
+    })
+}
+
+/// Renders on a backend that holds the model already: one device for many seeds. Work is that of the settings, or for their
+/// seconds; an asked error and their backend play no part.
+pub fn render_on(
+    backend: &mut Backend,
+    model: &Model<f64>,
+    settings: &Settings,
+    observe: &mut dyn FnMut(Stage) -> bool,
+) -> Result<Outcome, TraceError> {
     let kernel = Kernel::of(model);
     let plan = Plan::choose(settings.integrator, &kernel)?;
     let start = Instant::now();
-    let (mut backend, notice) = Backend::open(settings.backend, settings.precision, model)?;
     let mut batch = Batch {
         model,
-        backend: &mut backend,
+        backend,
         method: plan.method,
         seed: settings.seed,
         pacer: Pacer::default(),
@@ -296,9 +315,9 @@ fn once(
         mean_radiance,
         ledger,
         plan,
-        backend: backend.name(),
-        adapter: backend.adapter(),
-        notice: notice.into_iter().chain(late).chain(blotches).reduce(|a, b| a + "; " + &b),
+        backend: batch.backend.name(),
+        adapter: batch.backend.adapter(),
+        notice: late.into_iter().chain(blotches).reduce(|a, b| a + "; " + &b),
         paths: totals.paths,
         photons: totals.photons,
         smoothing: gather.map(|gather| gather.smoothing),
