@@ -6,8 +6,10 @@
 pub mod exposure;
 pub mod noise;
 pub mod projection;
+pub mod reading;
 pub mod suited;
 
 pub use exposure::{ExposureError, Frame, expected_electrons, expose, top_grey};
 pub use projection::{ProjectionError, View, mm_per_pixel};
+pub use reading::{Response, Signal};
 pub use suited::Suited;

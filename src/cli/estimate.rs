@@ -3,10 +3,13 @@
 use super::facts::{columns, figure};
 use super::job::{load_scene, view};
 use super::measure::{Reading, Threshold, grey_image, less};
-use super::run::said;
+use super::run::said_within;
 use super::{Failure, Outcome, Talk, note, print};
 use crate::camera::expose;
-use crate::estimate::{Calibration, Estimates, GreyImage, PaperEstimate, Settings, Stiffness, estimate, stiffness};
+use crate::estimate::{
+    Calibration, Estimates, GreyImage, PaperEstimate, Settings, Stiffness, Value as Figure, estimate, scattered,
+    stiffness,
+};
 use crate::image_io::read_radiance;
 use crate::scene::Scene;
 use crate::streams::Streams;
@@ -39,7 +42,6 @@ struct Measured {
     image: GreyImage,
     threshold_grey: f64,
     paper: PaperEstimate,
-    estimates: Estimates,
 }
 
 impl Estimate {
@@ -57,6 +59,12 @@ impl Estimate {
             Some(path) => Some(self.read(path, camera.as_ref())?),
             None => None,
         };
+        // An image less another is rounded twice.
+        let rounded = if reference.is_some() { std::f64::consts::SQRT_2 } else { 1.0 };
+        let settings = |threshold_grey: f64| {
+            let noise_grey = rounded * Settings::default().noise_grey;
+            Settings { threshold_grey, noise_grey }
+        };
         let measure = |path: &PathBuf| {
             let raw = self.read(path, camera.as_ref())?;
             let image = match &reference {
@@ -64,12 +72,16 @@ impl Estimate {
                 None => raw,
             };
             let threshold_grey = self.threshold_grey(path, &image)?;
-            let paper = estimate(&image, &Settings { threshold_grey, ..Settings::default() });
-            let estimates = Estimates::from_paper(&paper, calibration.as_ref());
-            Ok(Measured { path: path.clone(), image, threshold_grey, paper, estimates })
+            let mut paper = estimate(&image, &settings(threshold_grey));
+            paper.warnings.extend(scattered(&image, threshold_grey));
+            let paper = match &calibration {
+                Some(calibration) => paper.scaled(calibration.mm_per_pixel),
+                None => paper,
+            };
+            Ok(Measured { path: path.clone(), image, threshold_grey, paper })
         };
         let measured = self.images.iter().map(measure).collect::<Result<Vec<_>, Failure>>()?;
-        let relative = relative_stiffness(&measured, calibration.as_ref());
+        let relative = relative_stiffness(&measured, &settings, calibration.as_ref());
         match self.talk.json {
             true => print(&self.json(&measured, &relative).to_string())?,
             false => print(&self.text(&measured, &relative))?,
@@ -124,7 +136,7 @@ impl Estimate {
                 "image": one.path.display().to_string(),
                 "pixels": [one.image.width(), one.image.height()],
                 "paper": paper,
-                "estimates": one.estimates,
+                "estimates": Estimates::without_model(),
             })
         };
         json!({
@@ -141,19 +153,20 @@ impl Estimate {
     fn text(&self, measured: &[Measured], relative: &Result<Stiffness, String>) -> String {
         let row = |name: &str, value: String| (name.to_owned(), value);
         let mut text = String::new();
-        for Measured { path, image, threshold_grey, paper, estimates } in measured {
+        for Measured { path, image, threshold_grey, paper } in measured {
             let mut rows = vec![
                 row("pixels", format!("{} x {}", image.width(), image.height())),
                 row(
                     "lit area",
                     format!("{} (threshold {})", said(&paper.diameter_px, "pixels across"), figure(*threshold_grey)),
                 ),
-                row("size", said(&estimates.size_mm, "mm")),
+                row("", said(&paper.diameter_mm, "mm")),
                 row("centroid", format!("column {}", said(&paper.centroid_px.axis(0), "px"))),
                 row("", format!("row {}", said(&paper.centroid_px.axis(1), "px"))),
                 row("indicator h", said(&paper.h_grey, "grey levels")),
                 row("sum M", said(&paper.sum_grey, "grey levels")),
             ];
+            rows.push(row("intervals", paper.intervals.to_owned()));
             rows.extend(paper.warnings.iter().map(|warning| row("note", warning.clone())));
             text.push_str(&format!("{}\n{}", path.display(), columns(&rows)));
         }
@@ -170,15 +183,23 @@ impl Estimate {
     }
 }
 
+/// A figure with its interval, which holds no noise that a new image would show.
+fn said(value: &Figure, unit: &str) -> String {
+    said_within(value, unit, "rounding and counting")
+}
+
 /// What two images say about stiffness, or why they do not.
-fn relative_stiffness(measured: &[Measured], calibration: Option<&Calibration>) -> Result<Stiffness, String> {
+fn relative_stiffness(
+    measured: &[Measured],
+    settings: &dyn Fn(f64) -> Settings,
+    calibration: Option<&Calibration>,
+) -> Result<Stiffness, String> {
     match (measured, calibration) {
         ([first, second], _) if first.image.top_grey() != second.image.top_grey() => {
             Err("the images' grey levels end at different values, and so cannot be compared".into())
         }
         ([first, second], Some(calibration)) => {
-            let settings = Settings { threshold_grey: first.threshold_grey, ..Settings::default() };
-            Ok(stiffness(&first.image, &second.image, &settings, calibration))
+            Ok(stiffness(&first.image, &second.image, &settings(first.threshold_grey), calibration))
         }
         ([_, _], None) => Err("no calibration gives force and pressure".into()),
         _ => Err(format!("it takes two images under different press, there are {}", measured.len())),

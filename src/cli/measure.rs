@@ -3,7 +3,8 @@
 use super::Failure;
 use super::shot::Shot;
 use crate::camera::top_grey;
-use crate::estimate::{Calibration, Estimates, GreyImage, PaperEstimate, Settings, estimate};
+use crate::estimate::{Calibration, Estimates, Exposed, GreyImage, PaperEstimate, Settings, Subtracted, measure};
+use crate::film::Film;
 use crate::image_io::read_grey;
 use crate::report::Marks;
 use crate::scene::Camera;
@@ -43,6 +44,13 @@ pub(super) struct Figures {
     pub estimates: Estimates,
 }
 
+/// What is subtracted from a frame.
+pub(super) struct Reference {
+    pub image: GreyImage,
+    /// What it was exposed from, where that was rendered along the way.
+    pub film: Option<Film>,
+}
+
 impl Reading {
     /// The calibration, where one is given.
     pub fn calibration(&self) -> Result<Option<Calibration>, Failure> {
@@ -52,7 +60,7 @@ impl Reading {
 
 impl SceneReading {
     /// The reference image, where one is given, for a camera of as many pixels and bits.
-    pub fn reference(&self, camera: &Camera) -> Result<Option<GreyImage>, Failure> {
+    pub fn reference(&self, camera: &Camera) -> Result<Option<Reference>, Failure> {
         let Some(path) = &self.image.reference else {
             return Ok(None);
         };
@@ -67,7 +75,7 @@ impl SceneReading {
         // What does not fit is told before the work.
         let frame = GreyImage::new(image.width(), image.height(), &vec![0.0; image.grey().len()], Some(top))?;
         less(&frame, &image, Some(path))?;
-        Ok(Some(image))
+        Ok(Some(Reference { image, film: None }))
     }
 
     /// What is subtracted, if anything.
@@ -88,30 +96,27 @@ impl SceneReading {
     pub fn of_shot(
         &self,
         shot: &Shot,
-        reference: Option<&GreyImage>,
+        reference: Option<&Reference>,
         calibration: Option<&Calibration>,
     ) -> Result<Figures, Failure> {
         let raw = GreyImage::from_frame(&shot.frame)?;
         let image = match reference {
-            Some(reference) => less(&raw, reference, self.image.reference.as_deref())?,
+            Some(reference) => less(&raw, &reference.image, self.image.reference.as_deref())?,
             None => raw,
         };
-        // A reference is taken to be as noisy as the image.
-        let frames = if reference.is_some() { 2.0 } else { 1.0 };
-        let threshold_grey = self.threshold_grey(&shot.job.scene().camera);
-        let read =
-            |variance: f64| estimate(&image, &Settings { threshold_grey, noise_grey: (frames * variance).sqrt() });
-        let noise = Noise::of(shot)?;
-        // The lit area hangs on pixels at the threshold, h on those at the centroid, sums on all.
-        let sums = read(noise.mean_variance());
-        let h_grey = match sums.centroid_px.best() {
-            Some(&place) => read(noise.variance_near(place)).h_grey,
-            None => sums.h_grey.clone(),
+        let scene = shot.job.scene();
+        let expose = |film| Exposed::new(film, &scene.camera, scene.light.wavelength_nm);
+        let frame = expose(&shot.outcome.film)?;
+        let other = reference.and_then(|reference| reference.film.as_ref()).map(expose).transpose()?;
+        let subtracted = match (&other, reference) {
+            (Some(frame), _) => Subtracted::Frame(frame),
+            (None, Some(reference)) => Subtracted::Image(&reference.image),
+            (None, None) => Subtracted::Nothing,
         };
-        let paper = PaperEstimate { diameter_px: read(noise.of_camera(threshold_grey)).diameter_px, h_grey, ..sums };
-        let known = Calibration { mm_per_pixel: shot.mm_per_pixel, bottom_area_mm2: None, force_n_from_sum_grey: None };
-        let estimates = Estimates::from_paper(&paper, Some(calibration.unwrap_or(&known)));
-        Ok(Figures { image, threshold_grey, paper, estimates })
+        let mm_per_pixel = calibration.map_or(shot.mm_per_pixel, |calibration| calibration.mm_per_pixel);
+        let threshold_grey = self.threshold_grey(&scene.camera);
+        let paper = measure(&image, &frame, subtracted, threshold_grey).scaled(mm_per_pixel);
+        Ok(Figures { image, threshold_grey, paper, estimates: Estimates::without_model() })
     }
 }
 
@@ -138,51 +143,6 @@ pub(super) fn grey_image(path: &Path, bits: Option<u32>) -> Result<(GreyImage, b
     let image = GreyImage::new(read.width as usize, read.height as usize, &read.values, read.full_scale)
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())).in_file(path))?;
     Ok((image, read.linear))
-}
-
-/// Noise of a simulated frame: of the camera, and of the tracer, whose image the camera exposes.
-struct Noise<'a> {
-    shot: &'a Shot<'a>,
-    /// Grey levels an electron.
-    gain: f64,
-    /// Variance by the tracer of each pixel, grey levels squared.
-    traced: Vec<f64>,
-}
-
-impl<'a> Noise<'a> {
-    fn of(shot: &'a Shot) -> Result<Self, Failure> {
-        let gain = f64::from(shot.frame.top_grey()) / shot.job.scene().camera.sensor.full_well_e;
-        let variance = &shot.outcome.film.variance;
-        // Electrons are linear in radiance, above a background.
-        let error = shot.job.electrons(variance.iter().map(|v| v.sqrt()).collect())?;
-        let background = shot.job.electrons(vec![0.0; variance.len()])?;
-        let traced = error.iter().zip(background).map(|(e, b)| ((e - b) * gain).powi(2)).collect();
-        Ok(Self { shot, gain, traced })
-    }
-
-    /// Of the camera alone, at a grey level: photons, read-out, rounding. What the tracer adds at the rim of a lit area
-    /// is independent from pixel to pixel and averages out over the rim.
-    fn of_camera(&self, grey: f64) -> f64 {
-        let sensor = &self.shot.job.scene().camera.sensor;
-        let photons = self.gain * (grey - sensor.black_level).max(0.0);
-        photons + (sensor.read_noise_e * self.gain).powi(2) + 1.0 / 12.0
-    }
-
-    /// Of the pixel at a place (column, row).
-    fn variance_near(&self, [column, row]: [f64; 2]) -> f64 {
-        let (width, height) = (self.shot.frame.width as usize, self.shot.frame.height as usize);
-        let pixel =
-            (row as usize).min(height.saturating_sub(1)) * width + (column as usize).min(width.saturating_sub(1));
-        let grey = self.shot.frame.grey.get(pixel).copied().unwrap_or(0);
-        self.of_camera(grey.into()) + self.traced.get(pixel).copied().unwrap_or(0.0)
-    }
-
-    /// Mean over all pixels.
-    fn mean_variance(&self) -> f64 {
-        let pixels = self.traced.len().max(1) as f64;
-        let grey = self.shot.frame.grey.iter().map(|&level| f64::from(level)).sum::<f64>() / pixels;
-        self.of_camera(grey) + self.traced.iter().sum::<f64>() / pixels
-    }
 }
 
 /// A threshold as it is asked for.

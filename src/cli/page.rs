@@ -38,11 +38,11 @@ pub(super) fn report(
 }
 
 fn summary(shot: &Shot, figures: &Figures) -> String {
-    let size = match &figures.estimates.size_mm {
+    let lit = match &figures.paper.diameter_mm {
         Value::Known { value, .. } => format!("The lit area is {} mm across.", figure(*value)),
-        Value::Undefined { reason } => format!("The size is undefined: {reason}."),
+        Value::Undefined { reason } => format!("The diameter of the lit area is undefined: {reason}."),
     };
-    format!("{} {size}", shot.job.scene().description)
+    format!("{} {lit}", shot.job.scene().description)
 }
 
 /// The figures in few words; the text below says more.
@@ -98,9 +98,10 @@ fn estimates(figures: &Figures, reading: &SceneReading, truth: &Truth) -> Sectio
         Item::from_estimates(&figures.estimates),
         Item::Text(format!(
             "Figures of the image as the TSIS paper defines them, of {image}, with a threshold of {} grey levels. \
-             Intervals say how well the image's figures are known, not how well the object's: the lit area holds all \
+             Intervals say how well the image's figures are known, not how well the object's ({}): the lit area holds all \
              that glows, which is wider than what presses and grows with brightness.",
-            figure(figures.threshold_grey)
+            figure(figures.threshold_grey),
+            figures.paper.intervals
         )),
         Item::from_paper(&figures.paper),
     ];

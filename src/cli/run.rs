@@ -2,7 +2,7 @@
 
 use super::facts::{columns, facts, figure, interval, ledger};
 use super::job::{Job, Order};
-use super::measure::{Figures, SceneReading};
+use super::measure::{Figures, Reference, SceneReading};
 use super::page::report;
 use super::press_files::write_press;
 use super::pressing::{NO_MECHANICS, press_json, press_rows};
@@ -80,17 +80,17 @@ pub(super) fn whole_job(
     let done = folder.commit(Some(&job.loaded.text), result)?;
     match common.talk.json {
         true => print(&done.json)?,
-        false => print(&text(&shot, &figures, &done.out))?,
+        false => print(&text(&shot, &figures, &truth, &done.out))?,
     }
     Ok(PathBuf::from(done.out))
 }
 
 /// The frame of the same press without inclusions, with random numbers of its own; written as baseline.png.
-fn baseline(job: &Job, common: &Common, folder: &OutputFolder) -> Result<GreyImage, Failure> {
+fn baseline(job: &Job, common: &Common, folder: &OutputFolder) -> Result<Reference, Failure> {
     let baseline = job.baseline(common.talk.quiet)?;
     let shot = Shot::take(&baseline, common.talk.quiet)?;
     shot.write_frame(folder, "baseline.png")?;
-    Ok(GreyImage::from_frame(&shot.frame)?)
+    Ok(Reference { image: GreyImage::from_frame(&shot.frame)?, film: Some(shot.outcome.film) })
 }
 
 /// Frames of the loads before the last, written as camera_DEPTHmm.png.
@@ -128,7 +128,7 @@ fn json(shot: &Shot, figures: &Figures, reading: &SceneReading, earlier: &[Value
     Value::Object(object)
 }
 
-fn text(shot: &Shot, figures: &Figures, out: &str) -> String {
+fn text(shot: &Shot, figures: &Figures, truth: &Truth, out: &str) -> String {
     let (paper, estimates) = (&figures.paper, &figures.estimates);
     let row = |name: &str, value: String| (name.to_owned(), value);
     let mut rows = facts(shot);
@@ -146,24 +146,31 @@ fn text(shot: &Shot, figures: &Figures, out: &str) -> String {
                 figure(figures.threshold_grey)
             ),
         ),
+        row("", format!("{} of what is lit", said(&paper.diameter_mm, "mm"))),
+        row("indicator h", said(&paper.h_grey, "grey levels")),
+        row("sum M", said(&paper.sum_grey, "grey levels")),
         row("size", said(&estimates.size_mm, "mm")),
         row("depth", said(&estimates.depth_mm, "mm")),
         row("modulus", said(&estimates.youngs_kpa, "kPa")),
-        row("indicator h", said(&paper.h_grey, "grey levels")),
-        row("sum M", said(&paper.sum_grey, "grey levels")),
     ]);
+    rows.extend(truth.rows());
     rows.extend(paper.warnings.iter().map(|warning| row("note", warning.clone())));
     rows.push(row("folder", out.to_owned()));
     rows.push(row("report", format!("{out}/report.html")));
     format!("{}\n{}", shot.job.scene().name, columns(&rows))
 }
 
-/// A value with its interval, or why there is none.
-pub(super) fn said(value: &Estimate, unit: &str) -> String {
+/// A value with its 95 % interval, or why there is none.
+fn said(value: &Estimate, unit: &str) -> String {
+    said_within(value, unit, "95 %")
+}
+
+/// A value with its interval and what that is, or why there is none.
+pub(super) fn said_within(value: &Estimate, unit: &str, what: &str) -> String {
     match value {
         Estimate::Known { value, low, high } => {
             let (value, range) = interval(*value, *low, *high);
-            format!("{value} {unit} (95 %: {range})")
+            format!("{value} {unit} ({what}: {range})")
         }
         Estimate::Undefined { reason } => format!("undefined: {reason}"),
     }

@@ -58,13 +58,44 @@ impl Truth {
                 "youngs_kpa": one.youngs_kpa,
             })
         };
-        match &self.0 {
-            Ok(known) => json!({
-                "youngs_kpa": known.youngs_kpa,
-                "inclusions": known.inclusions.iter().map(inclusion).collect::<Vec<_>>(),
-            }),
-            Err(reason) => json!({"undefined": reason}),
+        json!({
+            "size_mm": self.of_one(Held::size_mm),
+            "depth_mm": self.of_one(|one| one.depth_mm),
+            "youngs_kpa": self.of_one(|one| one.youngs_kpa),
+            "phantom_youngs_kpa": match &self.0 {
+                Ok(known) => json!(known.youngs_kpa),
+                Err(reason) => json!({"undefined": reason}),
+            },
+            "inclusions": self.inclusions().iter().map(inclusion).collect::<Vec<_>>(),
+        })
+    }
+
+    /// In a line for each inclusion.
+    pub fn rows(&self) -> Vec<(String, String)> {
+        let row = |words: String| ("true inclusion".to_owned(), words);
+        let words = |one: &Held| {
+            let [size, depth, modulus] = [one.size_mm(), one.depth_mm, one.youngs_kpa].map(figure);
+            row(format!("{size} mm across, {depth} mm deep to its top, {modulus} kPa"))
+        };
+        match (&self.0, self.inclusions()) {
+            (Err(reason), _) => vec![row(format!("none: {reason}"))],
+            (Ok(_), []) => vec![row("none".into())],
+            (Ok(_), inclusions) => inclusions.iter().map(words).collect(),
         }
+    }
+
+    /// A figure of the inclusion, where there is one and no other.
+    fn of_one(&self, pick: impl Fn(&Held) -> f64) -> Value {
+        match (&self.0, self.inclusions()) {
+            (Err(reason), _) => json!({"undefined": reason}),
+            (Ok(_), [one]) => json!(pick(one)),
+            (Ok(_), []) => json!({"undefined": "the phantom holds no inclusion"}),
+            (Ok(_), several) => json!({"undefined": format!("there are {} inclusions", several.len())}),
+        }
+    }
+
+    fn inclusions(&self) -> &[Held] {
+        self.0.as_ref().map_or(&[], |known| &known.inclusions)
     }
 
     /// The inclusions as a table of a report, if there are any.
@@ -159,7 +190,22 @@ mod tests {
         let scene = preset("phantom-size-8mm").unwrap().scene;
         let without = Truth::of(scene.phantom.as_ref(), Path::new(""), true).unwrap();
         assert_eq!(without.json()["inclusions"], json!([]));
-        assert!(without.json()["youngs_kpa"].as_f64().unwrap() > 0.0 && without.table().is_none());
-        assert!(Truth::of(None, Path::new(""), false).unwrap().json()["undefined"].is_string());
+        assert!(without.json()["phantom_youngs_kpa"].as_f64().unwrap() > 0.0 && without.table().is_none());
+        assert!(without.json()["size_mm"]["undefined"].as_str().unwrap().contains("no inclusion"));
+        let none = Truth::of(None, Path::new(""), false).unwrap().json();
+        assert!(none["youngs_kpa"]["undefined"].as_str().unwrap().contains("no phantom"));
+    }
+
+    #[test]
+    fn a_single_inclusion_is_the_truth_and_of_several_none_is() {
+        let mut phantom = preset("phantom-size-8mm").unwrap().scene.phantom.unwrap();
+        let truth = |phantom: &Phantom| Truth::of(Some(phantom), Path::new(""), false).unwrap();
+        let one = truth(&phantom).json();
+        assert_eq!((&one["size_mm"], &one["depth_mm"], &one["youngs_kpa"]), (&json!(8.0), &json!(5.0), &json!(120.0)));
+        let line = truth(&phantom).rows();
+        assert_eq!(line[0].1, "8 mm across, 5 mm deep to its top, 120 kPa");
+        phantom.inclusion.push(phantom.inclusion[0].clone());
+        assert!(truth(&phantom).json()["size_mm"]["undefined"].as_str().unwrap().contains("2 inclusions"));
+        assert_eq!(truth(&phantom).rows().len(), 2);
     }
 }

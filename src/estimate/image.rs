@@ -141,18 +141,24 @@ impl GreyImage {
     }
 
     /// Grey value at a point (column, row) of the image, bilinear between pixel centres, constant beyond the outermost.
-    pub fn at(&self, [column, row]: [f64; 2]) -> f64 {
+    pub fn at(&self, place: [f64; 2]) -> f64 {
+        let value = |(pixel, weight): (usize, f64)| weight * self.grey.get(pixel).copied().unwrap_or(0.0);
+        Self::around(place, [self.width, self.height]).into_iter().map(value).sum()
+    }
+
+    /// The four pixels about a point of an image of so many columns and rows, with their bilinear weights.
+    pub(super) fn around([column, row]: [f64; 2], [width, height]: [usize; 2]) -> [(usize, f64); 4] {
         let split = |x: f64, count: usize| {
-            let x = (x - 0.5).clamp(0.0, (count - 1) as f64);
+            let last = count.saturating_sub(1);
+            let x = (x - 0.5).clamp(0.0, last as f64);
             let first = x.floor();
-            (first as usize, (first as usize + 1).min(count - 1), x - first)
+            (first as usize, (first as usize + 1).min(last), x - first)
         };
-        let (c0, c1, u) = split(column, self.width);
-        let (r0, r1, v) = split(row, self.height);
-        let value = |r: usize, c: usize| self.grey.get(r * self.width + c).copied().unwrap_or(0.0);
-        let upper = value(r0, c0) * (1.0 - u) + value(r0, c1) * u;
-        let lower = value(r1, c0) * (1.0 - u) + value(r1, c1) * u;
-        upper * (1.0 - v) + lower * v
+        let (c0, c1, u) = split(column, width);
+        let (r0, r1, v) = split(row, height);
+        let upper = [(r0 * width + c0, (1.0 - u) * (1.0 - v)), (r0 * width + c1, u * (1.0 - v))];
+        let lower = [(r1 * width + c0, (1.0 - u) * v), (r1 * width + c1, u * v)];
+        [upper[0], upper[1], lower[0], lower[1]]
     }
 }
 

@@ -5,23 +5,29 @@
 //! the first pixel being (0.5, 0.5), as in [`crate::camera`].
 
 pub mod calibration;
+pub mod exposed;
 pub mod image;
 pub mod paper;
+mod spread;
 pub mod stiffness;
+mod told;
 pub mod value;
 
 pub use calibration::{Calibration, CalibrationError};
+pub use exposed::Exposed;
 pub use image::{GreyImage, ImageError};
-pub use paper::{PaperEstimate, Settings, estimate};
+pub use paper::{PaperEstimate, Settings, estimate, measure};
+pub use spread::Subtracted;
 pub use stiffness::{Stiffness, stiffness};
+pub use told::scattered;
 pub use value::Value;
 
 use serde::Serialize;
 
-/// What the inclusion is like, as far as one image and a calibration can say.
+/// What the inclusion is like, as far as a calibrated model can say.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimates {
-    /// Diameter of the lit area, mm.
+    /// Width of the inclusion, mm.
     pub size_mm: Value,
     /// Depth of the inclusion, mm.
     pub depth_mm: Value,
@@ -30,17 +36,14 @@ pub struct Estimates {
 }
 
 impl Estimates {
-    /// Converts the paper's figures. The paper calibrates only the scale: depth and modulus stay undefined, its depth
-    /// indicator being a grey value and its stiffness relative.
-    pub fn from_paper(paper: &PaperEstimate, calibration: Option<&Calibration>) -> Self {
-        let size_mm = match calibration {
-            Some(calibration) => paper.diameter_px.scaled(calibration.mm_per_pixel),
-            None => Value::undefined("no calibration gives the millimetres per pixel"),
-        };
+    /// Without a model of how an inclusion shows in the image. The paper's figures are no such model: the lit area holds all
+    /// that glows, which is wider than what presses, its depth indicator is a grey value and its stiffness relative.
+    pub fn without_model() -> Self {
+        let undefined = |why: &str| Value::undefined(format!("no calibrated model: {why}"));
         Self {
-            size_mm,
-            depth_mm: Value::undefined("the depth indicator h is a grey value; no model relates it to millimetres"),
-            youngs_kpa: Value::undefined("the paper's stiffness is relative; no model relates it to a modulus"),
+            size_mm: undefined("the diameter of the lit area (paper.diameter_mm) is not that of the inclusion"),
+            depth_mm: undefined("the depth indicator (paper.h_grey) is a grey value"),
+            youngs_kpa: undefined("the paper's stiffness is relative"),
         }
     }
 }

@@ -5,13 +5,21 @@
 //! - M = sum(I).
 //!
 //! Intervals say how far these figures of the image are known, not how far the inclusion is (a lit area grows with
-//! brightness: for a Gaussian of peak I0, d = 2 sigma sqrt(2 ln(I0 / k))). They are meant to hold 95 % of the time:
+//! brightness: for a Gaussian of peak I0, d = 2 sigma sqrt(2 ln(I0 / k))).
+//!
+//! Of an image alone ([`estimate`]) nothing is known of its noise, and they hold less than a new image would show:
 //! - d: thresholds one grey level higher and lower (two standard deviations of the noise where that is more), widened
 //!   by twice the rms error of counting pixels. Each of the pi d pixels on the edge adds a variance of 1/12 to A, as
 //!   if the edge crossed it at random; discs at random places show 0.07.
 //! - Xc, Yc, h, M: independent noise of `noise_grey` in every pixel, two standard deviations.
+//!
+//! Of a simulated frame ([`measure`]) they hold the mean of the figure over seeds, of light and camera together, 95 % of the
+//! time: see `spread.rs`. `examples/coverage.rs` measures that.
 
+use super::exposed::Exposed;
 use super::image::GreyImage;
+use super::spread::{Reader, Spread, Subtracted, Variance, with_error};
+use super::told::{by_noise, most_of_the_frame};
 use super::value::Value;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -46,6 +54,8 @@ pub struct PaperEstimate {
     pub lit_pixels: usize,
     /// Diameter d of the disc of as many pixels, pixels.
     pub diameter_px: Value,
+    /// The same in mm on the touched face, by the scale on the axis: of what is lit, not of what presses.
+    pub diameter_mm: Value,
     /// Centroid (column, row) of the grey values, pixels.
     pub centroid_px: Value<[f64; 2]>,
     /// Depth indicator h, grey levels.
@@ -56,8 +66,65 @@ pub struct PaperEstimate {
     pub max_grey: f64,
     /// Pixels at the camera's top grey level: size, h and M are then lower bounds.
     pub saturated_pixels: usize,
+    /// What the intervals hold.
+    pub intervals: &'static str,
     /// What a reader must know about these figures.
     pub warnings: Vec<String>,
+}
+
+/// What the intervals hold of an image whose noise is not known.
+const OF_THE_IMAGE: &str =
+    "rounding to whole grey levels and counting of pixels; noise of light and camera is not known";
+/// Of a simulated frame.
+const OF_THE_FIGURE: &str = "the mean of the figure over seeds, by the noise of light and camera";
+/// Of a simulated frame less an image.
+const OF_THE_FRAME: &str =
+    "the mean of the figure over seeds, by the noise of light and camera; the reference is taken as it is";
+/// Of a simulated frame whose replicates are not known.
+const OF_THE_CAMERA: &str = "noise of the camera; that of the light is not known";
+
+impl PaperEstimate {
+    /// With the diameter in mm too, by the millimetres per pixel on the touched face.
+    pub fn scaled(self, mm_per_pixel: f64) -> Self {
+        Self { diameter_mm: self.diameter_px.scaled(mm_per_pixel), ..self }
+    }
+}
+
+/// Applies the paper's estimators to a simulated frame; `image` is what the camera read of it, less what is subtracted.
+pub fn measure(image: &GreyImage, frame: &Exposed, subtracted: Subtracted, threshold_grey: f64) -> PaperEstimate {
+    let mut paper = estimate(image, &Settings { threshold_grey, ..Settings::default() });
+    let (Some(&sum), centroid) = (paper.sum_grey.best(), paper.centroid_px.best().copied()) else {
+        return paper;
+    };
+    let spread = Reader { frame, subtracted, threshold_grey }.spread(sum, centroid);
+    paper.sum_grey = with_error(sum, &spread.sum);
+    if let Some(place) = centroid {
+        let errors = spread.centroid.map(|variance| variance.half_width());
+        let shifted = |sign: f64| [0, 1].map(|axis| place[axis] + sign * errors[axis]);
+        paper.centroid_px = Value::Known { value: place, low: shifted(-1.0), high: shifted(1.0) };
+    }
+    if let Some(&h) = paper.h_grey.best() {
+        paper.h_grey = with_error(h, &spread.h);
+    }
+    if paper.lit_pixels > 0 {
+        paper.diameter_px = diameter_of_count(paper.lit_pixels, &spread.lit);
+    }
+    paper.intervals = match (frame.groups().is_empty(), subtracted) {
+        (true, _) => OF_THE_CAMERA,
+        (false, Subtracted::Image(_)) => OF_THE_FRAME,
+        (false, Subtracted::Nothing | Subtracted::Frame(_)) => OF_THE_FIGURE,
+    };
+    let Spread { lit_by_noise, lit_by_noise_variance, .. } = spread;
+    paper.warnings.extend(by_noise(paper.lit_pixels, lit_by_noise, lit_by_noise_variance.total()));
+    paper
+}
+
+/// The diameter of so many pixels, with the interval that the variance of their number leaves.
+fn diameter_of_count(lit: usize, variance: &Variance) -> Value {
+    let half = variance.half_width();
+    let diameter = |pixels: f64| 2.0 * (pixels.max(0.0) / PI).sqrt();
+    let lit = lit as f64;
+    Value::known(diameter(lit), diameter(lit - half), diameter(lit + half))
 }
 
 /// Applies the paper's estimators to an image (raw, or less a reference frame).
@@ -73,6 +140,7 @@ pub fn estimate(image: &GreyImage, settings: &Settings) -> PaperEstimate {
         Value::Undefined { reason } => Value::undefined(reason.clone()),
     };
     let saturated_pixels = image.saturated_pixels();
+    let lit_pixels = image.brighter_than(settings.threshold_grey);
     let mut warnings = Vec::new();
     if saturated_pixels > 0 {
         warnings.push(format!(
@@ -80,14 +148,17 @@ pub fn estimate(image: &GreyImage, settings: &Settings) -> PaperEstimate {
             image.grey().len()
         ));
     }
+    warnings.extend(most_of_the_frame(lit_pixels, image.grey().len()));
     PaperEstimate {
-        lit_pixels: image.brighter_than(settings.threshold_grey),
+        lit_pixels,
         diameter_px: diameter(image, settings),
+        diameter_mm: Value::undefined("no calibration gives the millimetres per pixel"),
         centroid_px,
         h_grey,
         sum_grey: Value::known(sum, sum - sum_error, sum + sum_error),
         max_grey: image.grey().iter().copied().fold(f64::NEG_INFINITY, f64::max),
         saturated_pixels,
+        intervals: OF_THE_IMAGE,
         warnings,
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! F = f(M) by calibration, P = F / C with C the area of the waveguide's bottom, T = |d2 - d1| / d1, E = P / T. The
 //! force is that of the second frame. E is relative: it carries a unit of pressure but is no Young's modulus.
+//!
+//! Intervals are those of images whose noise is not known: rounding to whole grey levels and counting of pixels.
 
 use super::calibration::{Calibration, Force};
 use super::image::GreyImage;

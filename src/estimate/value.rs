@@ -8,7 +8,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Value<T = f64> {
-    /// A value and its 95 % interval; all are finite.
+    /// A value and its interval, of 95 % where nothing else is said; all are finite.
     Known {
         /// Best value.
         value: T,

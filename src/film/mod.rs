@@ -10,7 +10,7 @@ pub use blocks::{BlockAccumulator, BlockLevel, Inflation};
 pub use compare::{Comparison, compare};
 pub use groups::{Group, MOST_GROUPS};
 pub use ledger::Ledger;
-pub use tails::mean_interval;
+pub use tails::{mean_interval, quantile_95};
 
 /// Unit of radiance, as it is written in files, pictures and text.
 pub const RADIANCE_UNIT: &str = "W/(m^2 sr)";

@@ -30,7 +30,7 @@ pub(super) fn chi_square(value: f64, freedom: f64) -> f64 {
 }
 
 /// Student's t of `freedom` degrees that holds 95 % between minus and plus itself.
-pub(super) fn quantile_95(freedom: f64) -> f64 {
+pub fn quantile_95(freedom: f64) -> f64 {
     const NORMAL: f64 = 1.959_963_984_540_054;
     if freedom >= NORMAL_FROM {
         return NORMAL;

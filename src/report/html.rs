@@ -72,6 +72,7 @@ impl Item {
         let row = |name: &str, unit: &str, value: Value| (name.to_owned(), unit.to_owned(), value);
         Self::Values(vec![
             row("diameter d of the lit area", "px", paper.diameter_px.clone()),
+            row("the same on the touched face", "mm", paper.diameter_mm.clone()),
             row("centroid, column", "px", paper.centroid_px.axis(0)),
             row("centroid, row", "px", paper.centroid_px.axis(1)),
             row("depth indicator h", "grey levels", paper.h_grey.clone()),

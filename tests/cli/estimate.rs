@@ -32,7 +32,9 @@ fn a_disc_has_its_diameter_centroid_and_sum() {
     assert!((paper["centroid_px"]["value"][0].as_f64().unwrap() - 50.0).abs() < 1e-9, "{paper}");
     assert_eq!(paper["sum_grey"]["value"].as_f64().unwrap(), 100.0 * lit);
     assert_eq!(paper["h_grey"]["value"], 100.0);
-    assert!(said["images"][0]["estimates"]["size_mm"]["undefined"].is_string(), "no calibration");
+    assert!(said["images"][0]["estimates"]["size_mm"]["undefined"].is_string(), "no model");
+    assert!(paper["diameter_mm"]["undefined"].is_string(), "no calibration");
+    assert!(paper["intervals"].as_str().unwrap().contains("noise of light and camera is not known"), "{paper}");
     assert!(said["stiffness"]["undefined"].as_str().unwrap().contains("two images"));
 }
 
@@ -48,7 +50,7 @@ fn two_images_and_a_calibration_give_a_relative_stiffness() {
     // Growth by the factor 2, the counts of pixels good to a per cent.
     assert!((said["stiffness"]["deformation"]["value"].as_f64().unwrap() - 1.0).abs() < 0.03, "{said}");
     assert!(said["stiffness"]["relative_stiffness_kpa"]["value"].as_f64().unwrap() > 0.0);
-    assert!((said["images"][1]["estimates"]["size_mm"]["value"].as_f64().unwrap() - 6.0).abs() < 0.06, "{said}");
+    assert!((said["images"][1]["paper"]["diameter_mm"]["value"].as_f64().unwrap() - 6.0).abs() < 0.06, "{said}");
     let same = estimated(&place, &[&images[0], &images[0], "--calibration", "calibration.toml"]);
     assert!(same["stiffness"]["relative_stiffness_kpa"]["undefined"].is_string());
     assert!(estimated(&place, &[&images[0], &images[1]])["stiffness"]["undefined"].is_string(), "no calibration");

@@ -142,7 +142,7 @@ fn run_measures_what_the_camera_sees() {
     for key in ["max_grey", "sum_grey", "lit_pixels", "mm_per_pixel"] {
         assert!(said["camera"][key].as_f64().unwrap() > 0.0, "{key}: {said}");
     }
-    let size = &said["estimates"]["size_mm"];
+    let size = &said["paper"]["diameter_mm"];
     let diameter = &said["paper"]["diameter_px"];
     // The same figure, in pixels and in millimetres.
     let scale = said["camera"]["mm_per_pixel"].as_f64().unwrap();
@@ -154,9 +154,11 @@ fn run_measures_what_the_camera_sees() {
     assert!((centroid[0].as_f64().unwrap() - 24.0).abs() < 1.0, "{centroid}");
     assert!((centroid[1].as_f64().unwrap() - 18.0).abs() < 1.0, "{centroid}");
     assert!(said["paper"]["h_grey"]["value"].as_f64().unwrap() > 20.0);
-    for key in ["depth_mm", "youngs_kpa"] {
-        assert!(said["estimates"][key]["undefined"].is_string(), "{key}");
+    for key in ["size_mm", "depth_mm", "youngs_kpa"] {
+        assert!(said["estimates"][key]["undefined"].as_str().unwrap().contains("no calibrated model"), "{key}: {said}");
+        assert!(said["truth"][key]["undefined"].as_str().unwrap().contains("no phantom"), "{key}: {said}");
     }
+    assert!(said["paper"]["intervals"].as_str().unwrap().contains("light and camera"), "{said}");
     assert!(said["mechanics"]["undefined"].is_string());
 
     let out = place.path().join("out/press-hertz");
@@ -175,7 +177,7 @@ fn run_measures_what_the_camera_sees() {
     let output = tirtouch_in(place.path(), &[&flags[..], &["--reference", &frame, "-o", "less"]].concat());
     assert_eq!(code(&output), 0, "{output:?}");
     let less = json(&output);
-    assert!(less["estimates"]["size_mm"]["undefined"].is_string(), "{less}");
+    assert!(less["paper"]["diameter_mm"]["undefined"].is_string(), "{less}");
     assert_eq!(less["camera"]["sum_grey"], said["camera"]["sum_grey"], "the camera's own figures are of the raw frame");
 }
 

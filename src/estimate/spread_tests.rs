@@ -1,0 +1,155 @@
+//! Coverage on made-up light: replicates whose pixels move together, seen by a camera with noise.
+
+use super::*;
+use crate::camera::{expose, noise::PixelRandom};
+use crate::estimate::{PaperEstimate, measure};
+use crate::film::{BlockAccumulator, Film};
+use crate::scene::{Camera, Scene, preset};
+
+const WIDTH: u32 = 64;
+const HEIGHT: u32 = 48;
+const REPLICATES: u32 = 16;
+const SEEDS: u32 = 300;
+
+fn scene() -> Scene {
+    let mut scene = preset("phantom-size-8mm").unwrap().scene;
+    scene.camera.pixels = [WIDTH, HEIGHT];
+    scene
+}
+
+/// Radiance that the camera reads as one grey level.
+fn grey_level(scene: &Scene) -> f64 {
+    let film = |radiance| Film { width: WIDTH, height: HEIGHT, mean: vec![radiance; 3072], ..Film::default() };
+    let [dark, lit] =
+        [0.0, 1.0].map(|radiance| Exposed::new(&film(radiance), &scene.camera, 532.0).unwrap().signal(1560).mean);
+    1.0 / (lit - dark)
+}
+
+/// A film of a spot of `peak` grey levels. Each replicate has 8 % of noise in its brightness, 6 grey levels of noise in
+/// waves of 8 to 25 pixels and 4 of each pixel's own.
+fn film(peak: f64, seed: u32, grey: f64, together: bool) -> Film {
+    let mut sum = BlockAccumulator::new(WIDTH, HEIGHT);
+    let mut replicates: Vec<Vec<f64>> = Vec::new();
+    for replicate in 0..REPLICATES {
+        let mut random = PixelRandom::new(seed, replicate);
+        let brightness = 1.0 + 0.08 * random.normal();
+        let waves: Vec<[f64; 4]> = (0..6)
+            .map(|_| [random.normal() * 0.2, random.normal() * 0.2, 6.3 * random.uniform(), random.normal()])
+            .collect();
+        let pixel = |i: u32| {
+            let (x, y) = (f64::from(i % WIDTH) + 0.5, f64::from(i / WIDTH) + 0.5);
+            let spot = peak * (-((x - 30.3).powi(2) + (y - 24.8).powi(2)) / (2.0 * 9.0f64.powi(2))).exp();
+            let waves: f64 = waves.iter().map(|[a, b, phase, size]| size * (a * x + b * y + phase).sin()).sum();
+            let own = PixelRandom::new(seed ^ 0x5000_0000, i * REPLICATES + replicate).normal();
+            // Sixteen times brighter than all noise: no radiance falls below 0.
+            grey * (60.0 + spot * brightness + 6.0 * waves / 3f64.sqrt() + 4.0 * own)
+        };
+        replicates.push((0..WIDTH * HEIGHT).map(pixel).map(|radiance| radiance.max(0.0)).collect());
+    }
+    for replicate in 0..REPLICATES {
+        let pick = |i: usize| match together {
+            true => replicates[replicate as usize][i],
+            // Each pixel takes another replicate: the same mean and variance, no correlation left.
+            false => replicates[((u64::from(replicate) + mixed(i)) % u64::from(REPLICATES)) as usize][i],
+        };
+        sum.add(&(0..(WIDTH * HEIGHT) as usize).map(pick).collect::<Vec<_>>()).unwrap();
+    }
+    sum.finish()
+}
+
+fn mixed(i: usize) -> u64 {
+    (PixelRandom::new(77, i as u32).uniform() * 16.0) as u64
+}
+
+fn read(film: &Film, reference: Option<&Film>, camera: &Camera, seed: u32, threshold: f64) -> PaperEstimate {
+    let shot = |film, seed| GreyImage::from_frame(&expose(film, camera, 532.0, seed).unwrap()).unwrap();
+    let exposed = |film| Exposed::new(film, camera, 532.0).unwrap();
+    let (image, frame) = (shot(film, 2 * seed), exposed(film));
+    match reference {
+        None => measure(&image, &frame, Subtracted::Nothing, threshold),
+        Some(film) => {
+            let image = image.minus(&shot(film, 2 * seed + 1)).unwrap();
+            measure(&image, &frame, Subtracted::Frame(&exposed(film)), threshold)
+        }
+    }
+}
+
+/// How many intervals of M, d, column, row and h hold the mean of the figure over seeds.
+fn held(subtracted: bool, together: bool) -> [usize; 5] {
+    let scene = scene();
+    let grey = grey_level(&scene);
+    let threshold = if subtracted { 20.0 } else { 80.0 };
+    let all: Vec<PaperEstimate> = (0..SEEDS)
+        .into_par_iter()
+        .map(|seed| {
+            let with = film(60.0, 2 * seed, grey, together);
+            let without = subtracted.then(|| film(0.0, 2 * seed + 1, grey, together));
+            read(&with, without.as_ref(), &scene.camera, seed, threshold)
+        })
+        .collect();
+    let figures = |paper: &PaperEstimate| {
+        let [column, row] = [0, 1].map(|axis| paper.centroid_px.axis(axis));
+        [paper.sum_grey.clone(), paper.diameter_px.clone(), column, row, paper.h_grey.clone()]
+    };
+    [0, 1, 2, 3, 4].map(|figure| {
+        let known: Vec<[f64; 3]> = all
+            .iter()
+            .map(|paper| match figures(paper)[figure] {
+                Value::Known { value, low, high } => [value, low, high],
+                Value::Undefined { ref reason } => panic!("{reason}"),
+            })
+            .collect();
+        let mean = known.iter().map(|known| known[0]).sum::<f64>() / known.len() as f64;
+        known.iter().filter(|[_, low, high]| *low <= mean && mean <= *high).count()
+    })
+}
+
+#[test]
+fn intervals_hold_the_mean_over_seeds_in_95_percent_where_pixels_move_together() {
+    for subtracted in [false, true] {
+        // 285 of 300 expected; four standard deviations are 15. An interval that always holds is too wide.
+        let held = held(subtracted, true);
+        assert!(held.iter().all(|held| (270..=299).contains(held)), "subtracted {subtracted}: {held:?}");
+    }
+}
+
+#[test]
+fn pixels_taken_as_independent_would_be_caught() {
+    // The fault: groups that do not know how pixels move together, as a variance a pixel does not.
+    let independent = |subtracted: bool| {
+        let scene = scene();
+        let grey = grey_level(&scene);
+        let ratio = |together| {
+            let with = film(60.0, 1, grey, together);
+            let without = film(0.0, 2, grey, together);
+            let paper = read(&with, subtracted.then_some(&without), &scene.camera, 1, 20.0);
+            match paper.sum_grey {
+                Value::Known { low, high, .. } => high - low,
+                Value::Undefined { reason } => panic!("{reason}"),
+            }
+        };
+        ratio(true) / ratio(false)
+    };
+    assert!(independent(false) > 3.0 && independent(true) > 3.0, "{} {}", independent(false), independent(true));
+}
+
+#[test]
+fn weights_of_a_place_go_from_a_centre_to_the_mean_of_all_places() {
+    // w^2 + (1 - w)^2 by hand: 1 on a centre, 1/2 between two, 2/3 on average; the series is cut at 0.004.
+    for (place, error, expected) in [(3.5, 0.0, 1.0), (4.0, 0.0, 0.5), (3.75, 0.0, 0.625), (3.5, 3.0, 2.0 / 3.0)] {
+        assert!((bilinear_square(place, error) - expected).abs() < 0.005, "{place} {error}");
+    }
+}
+
+#[test]
+fn parts_of_few_degrees_of_freedom_widen_an_interval() {
+    let light = Variance { known: 0.0, light: [(4.0, 15.0), (0.0, f64::INFINITY)] };
+    // Student's t of 15 degrees: 2.1314 (tables).
+    assert!((light.half_width() - 2.0 * 2.131_449_5).abs() < 1e-5);
+    let known = Variance { known: 4.0, light: [(0.0, f64::INFINITY); 2] };
+    assert!((known.half_width() - 2.0 * 1.959_964).abs() < 1e-5);
+    // Two equal parts: 30 degrees, t = 2.0423.
+    let both = Variance { known: 0.0, light: [(2.0, 15.0); 2] };
+    assert!((both.half_width() - 2.0 * 2.042_272).abs() < 1e-5);
+    assert_eq!(Variance::default().half_width(), 0.0);
+}
