@@ -158,12 +158,15 @@ impl Study {
     }
 }
 
+/// A figure of a frame.
+type Figure = fn(&PaperEstimate) -> Value;
+
 fn coverage(what: &str, all: &[PaperEstimate]) {
     println!("\n{what}, {} seeds\n", all.len());
     println!(
         "| figure | mean | spread | intervals that hold the mean | claimed over true spread |\n|---|---|---|---|---|"
     );
-    let figures: [(&str, fn(&PaperEstimate) -> Value); 5] = [
+    let figures: [(&str, Figure); 5] = [
         ("M", |paper| paper.sum_grey.clone()),
         ("d, px", |paper| paper.diameter_px.clone()),
         ("centroid, column", |paper| paper.centroid_px.axis(0)),
