@@ -76,7 +76,12 @@ fn presses_agree_with_another_element() {
         (ball, true, false, 4.0, 2343.0, 1.4045),
     ];
     for (inclusion, soft, linear, depth, pressure, force) in answers {
-        let done = pressed(&phantom(inclusion, soft, linear, &[depth]));
+        let mut setup = phantom(inclusion, soft, linear, &[depth]);
+        if !linear {
+            // Halved meshes are off by 0.15 % in force at 4 mm (docs/ERROR.md), in a fifth of the time.
+            setup.phantom.resolution = Resolution::PLANE.halved();
+        }
+        let done = pressed(&setup);
         let step = done.steps.last().unwrap();
         let found = [middle_pa(step) / pressure, step.force_n / force];
         assert!(found.iter().all(|ratio| (ratio - 1.0).abs() < 0.01), "{inclusion:?} soft {soft}: {found:?}");
@@ -117,7 +122,8 @@ fn a_force_is_met_by_the_depth_that_bears_it() {
 #[test]
 fn the_estimated_error_is_true_within_a_factor_of_two() {
     for (inclusion, linear, depth) in [(None, true, 1.0), (Some([8.0, 5.0, 120.0]), true, 1.0)] {
-        let setup = phantom(inclusion, true, linear, &[depth]);
+        let mut setup = phantom(inclusion, true, linear, &[depth]);
+        setup.phantom.resolution = Resolution::PLANE.halved();
         let done = press(&setup, PressSettings { estimate_error: true }, &mut |_| true).unwrap();
         let mut finer = setup.clone();
         finer.phantom.resolution = finer.phantom.resolution.doubled().doubled();
