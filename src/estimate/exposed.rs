@@ -5,6 +5,9 @@ use crate::film::{Film, Group};
 use crate::scene::Camera;
 use rayon::prelude::*;
 
+/// Equal paths that light needs to count as normal.
+const FEW_PATHS: f64 = 4.0;
+
 /// A film as a camera sees it. All variances are of grey levels before rounding.
 #[derive(Debug, Clone)]
 pub struct Exposed<'a> {
@@ -80,6 +83,23 @@ impl<'a> Exposed<'a> {
     /// Variance of a pixel's signal by the light alone.
     pub(super) fn light_variance(&self, pixel: usize) -> f64 {
         self.light_variance.get(pixel).copied().unwrap_or(0.0)
+    }
+
+    /// Whether so few paths brought a pixel's light that it is not normal: fewer than [`FEW_PATHS`] equal ones would vary as
+    /// much (of n the relative variance is 1/n).
+    pub(super) fn is_of_few_paths(&self, pixel: usize) -> bool {
+        let light = self.signal(pixel).mean - self.dark.mean;
+        let variance = self.light_variance(pixel);
+        variance > 0.0 && light * light < FEW_PATHS * variance
+    }
+
+    /// Grey levels by which a pixel's mean moves when one group of replicates is left out, group by group.
+    pub(super) fn left_out(&self, pixel: usize) -> impl Iterator<Item = f64> {
+        let total: f64 = self.groups().iter().map(|group| f64::from(group.replicates)).sum();
+        self.groups().iter().map(move |group| {
+            let share = f64::from(group.replicates);
+            -share * self.deviation(group, pixel) / (total - share)
+        })
     }
 
     /// A pixel that no LED lights.

@@ -14,6 +14,9 @@
 //! and the light's noise crosses it (a jackknife of a count is wrong there: Miller 1974). It is never negative
 //! (Cacoullos 1982: var f >= f'^2 var). What is neglected is of second order in the correlation of pairs of pixels. Parts
 //! of different freedom are joined by Satterthwaite's rule (1946).
+//!
+//! Where few paths brought a pixel's light it is not normal. Whether such a pixel is lit varies as leaving out one group at
+//! a time says (the jackknife, which errs to the safe side: Efron and Stein 1981), without its neighbours.
 
 use super::exposed::Exposed;
 use super::image::GreyImage;
@@ -190,24 +193,52 @@ impl Reader<'_> {
         };
         match self.subtracted {
             Subtracted::Nothing => {
-                let found = of_frame(0.0);
+                let found = self.of_few_paths(pixel, level).unwrap_or_else(|| of_frame(0.0));
                 let by_noise = self.frame.dark().exceeds(level);
                 Lit { found, by_noise, slopes: [[found.slope, 0.0], [0.0, 0.0]] }
             }
             Subtracted::Image(image) => {
-                let found = of_frame(image.grey().get(pixel).copied().unwrap_or(0.0));
+                let base = image.grey().get(pixel).copied().unwrap_or(0.0);
+                let few = self.of_few_paths(pixel, (base + k).floor() + 0.5);
+                let found = few.unwrap_or_else(|| of_frame(base));
                 let by_noise = difference(0.0, 2.0 * read.variance).exceeds(level);
                 Lit { found, by_noise, slopes: [[found.slope, 0.0], [by_noise.slope * read.slope, 0.0]] }
             }
             Subtracted::Frame(reference) => {
                 let other = reference.read(pixel);
                 let variance = read.variance + other.variance;
-                let found = difference(read.mean - other.mean, variance).exceeds(level);
+                let few = self.of_few_paths(pixel, level);
+                let found = few.unwrap_or_else(|| difference(read.mean - other.mean, variance).exceeds(level));
                 let by_noise = difference(0.0, variance).exceeds(level);
                 let slopes = [found.slope, by_noise.slope].map(|slope| [slope * read.slope, slope * other.slope]);
                 Lit { found, by_noise, slopes }
             }
         }
+    }
+
+    /// Whether a pixel is lit whose light few paths brought, in the frame or in the reference; `None` where many did in both.
+    fn of_few_paths(&self, pixel: usize, level: f64) -> Option<Response> {
+        let few = [0, 1].map(|which| self.exposed(which).filter(|one| one.is_of_few_paths(pixel)));
+        if few.iter().all(Option::is_none) {
+            return None;
+        }
+        let signals = [0, 1].map(|which| self.exposed(which).map(|one| one.signal(pixel)));
+        let variance: f64 = signals.iter().flatten().map(|signal| signal.sd * signal.sd).sum();
+        let of_few: f64 = few.iter().flatten().map(|one| one.light_variance(pixel)).sum();
+        let mean = signals[0].map_or(0.0, |signal| signal.mean) - signals[1].map_or(0.0, |signal| signal.mean);
+        let signal = Signal { mean, sd: (variance - of_few).max(0.0).sqrt() };
+        let found = signal.exceeds(level);
+        let signed = few.iter().zip([1.0, -1.0]).filter_map(|(one, sign)| Some(((*one)?, sign)));
+        let jackknife = signed.map(|(one, sign)| {
+            let chances: Vec<f64> = one
+                .left_out(pixel)
+                .map(|shift| Signal { mean: mean + sign * shift, ..signal }.exceeds(level).mean)
+                .collect();
+            let groups = chances.len() as f64;
+            let middle = chances.iter().sum::<f64>() / groups;
+            (groups - 1.0) / groups * chances.iter().map(|chance| (chance - middle).powi(2)).sum::<f64>()
+        });
+        Some(Response { variance: found.variance + jackknife.sum::<f64>(), slope: 0.0, ..found })
     }
 
     /// Variance of the mean over groups of replicates of one number each, and its degrees of freedom.

@@ -153,3 +153,39 @@ fn parts_of_few_degrees_of_freedom_widen_an_interval() {
     assert!((both.half_width() - 2.0 * 2.042_272).abs() < 1e-5);
     assert_eq!(Variance::default().half_width(), 0.0);
 }
+
+/// Pixels that single paths light, by `rate` paths each: lit or not is a matter of one replicate.
+fn sparse(rate: f64, seed: u32, grey: f64) -> Film {
+    let mut sum = BlockAccumulator::new(WIDTH, HEIGHT);
+    for replicate in 0..REPLICATES {
+        let pixel = |i: u32| {
+            let hits = PixelRandom::new(seed, i * REPLICATES + replicate).poisson(rate / f64::from(REPLICATES));
+            30.0 * f64::from(REPLICATES) * grey * hits
+        };
+        sum.add(&(0..WIDTH * HEIGHT).map(pixel).collect::<Vec<_>>()).unwrap();
+    }
+    sum.finish()
+}
+
+#[test]
+fn pixels_lit_by_single_paths_vary_as_their_number_does() {
+    let scene = scene();
+    let grey = grey_level(&scene);
+    for subtracted in [false, true] {
+        let all: Vec<[f64; 3]> = (0..SEEDS)
+            .into_par_iter()
+            .map(|seed| {
+                let (with, without) = (sparse(0.1, 2 * seed, grey), sparse(0.0, 1, grey));
+                match read(&with, subtracted.then_some(&without), &scene.camera, seed, 5.0).diameter_px {
+                    Value::Known { value, low, high } => [value, low, high],
+                    Value::Undefined { reason } => panic!("{reason}"),
+                }
+            })
+            .collect();
+        let mean = all.iter().map(|known| known[0]).sum::<f64>() / f64::from(SEEDS);
+        let held = all.iter().filter(|[_, low, high]| *low <= mean && mean <= *high).count();
+        // As above; the jackknife takes a pixel of two paths for certain and one of a single path for a whole one: p in
+        // place of p (1 - p), 5 % in the spread.
+        assert!((270..=299).contains(&held), "subtracted {subtracted}: {held}");
+    }
+}

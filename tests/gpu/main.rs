@@ -14,6 +14,7 @@ mod adapter;
 mod device;
 mod extremes;
 mod fates;
+mod figures;
 mod films;
 mod golden;
 mod lamps;
