@@ -146,7 +146,7 @@ fn compare_fails_with_exit_code_1_on_light_of_another_brightness() {
     assert_eq!(found["passed"], false);
     assert_eq!(found["level"], 0.001);
     assert_eq!(found["tests"].as_array().unwrap().len(), 5);
-    for key in ["edge", "cells", "max_z", "chi2", "dof", "p_value", "passed"] {
+    for key in ["edge", "cells", "max_z", "mean_square", "chi2", "dof", "p_value", "passed", "smallest_change"] {
         assert!(!found["tests"][0][key].is_null(), "{key}");
     }
     // Whole images err by 0.05/32 = 0.16 % each: the interval holds 1.02 and not 1.
@@ -232,6 +232,81 @@ fn images_of_one_seed_are_noted_unless_quiet() {
     let a = place.radiance("a.exr", &film(1, 1.0), UNIT);
     assert!(one_line(&tirtouch(&["compare", &a, &a])).contains("seed"));
     assert!(tirtouch(&["compare", &a, &a, "--quiet"]).stderr.is_empty());
+}
+
+/// Writes a film that says its seed and its work.
+fn of_one_seed(place: &Place, name: &str, film: &Film) -> String {
+    let path = place.path().join(name);
+    let provenance = Provenance {
+        unit: UNIT.into(),
+        scene_sha256: name.into(),
+        seed: 7,
+        spp: 16,
+        integrator: "path".into(),
+        ..Provenance::default()
+    };
+    write_radiance(&path, film, &provenance).unwrap();
+    shown(path)
+}
+
+#[test]
+fn images_of_one_seed_are_compared_replicate_by_replicate() {
+    let place = Place::new();
+    // The same noise, 0.1 % brighter: 0.6 standard errors of the whole image.
+    let [a, again, brighter] = [("a.exr", 1.0), ("again.exr", 1.0), ("brighter.exr", 1.001)]
+        .map(|(name, mean)| of_one_seed(&place, name, &film(1, mean)));
+    let same = tirtouch(&["compare", &a, &again]);
+    assert_eq!(code(&same), 0, "{same:?}");
+    assert!(text(&same.stdout).contains("replicate by replicate") && same.stderr.is_empty(), "{same:?}");
+    let found = tirtouch(&["compare", &a, &brighter, "--json"]);
+    assert_eq!(code(&found), 1, "{found:?}");
+    let found = json(&found);
+    assert_eq!(found["paired"]["passed"], false);
+    assert!((found["paired"]["ratio"]["value"].as_f64().unwrap() - 1.001).abs() < 1e-5, "{found}");
+    assert!(found["tests"].as_array().unwrap().iter().all(|test| test["passed"] == true), "{found}");
+}
+
+#[test]
+fn exact_and_tolerant_comparisons_see_single_pixels_and_no_noise() {
+    let place = Place::new();
+    let film = film(1, 1.0);
+    let mut other = film.clone();
+    other.mean[32 * 4 + 9] *= 1.01;
+    let (a, b) = (place.radiance("a.exr", &film, UNIT), place.radiance("b.exr", &other, UNIT));
+    assert_eq!(code(&tirtouch(&["compare", &a, &b, "--quiet"])), 0, "1 % of a pixel is noise");
+    for (flags, expected) in [
+        (&["--exact"][..], 1),
+        (&["--tolerance", "0.0101"], 0),
+        (&["--tolerance", "0.0098"], 1),
+        (&["--absolute", "0.02"], 0),
+        (&["--absolute", "1e-3", "--tolerance", "1e-3"], 1),
+    ] {
+        let output = tirtouch(&[&["compare", &a, &b, "--json"], flags].concat());
+        assert_eq!(code(&output), expected, "{flags:?}: {output:?}");
+        let found = json(&output);
+        assert!((found["largest_relative"].as_f64().unwrap() - 0.0099).abs() < 1e-5, "{found}");
+        if expected == 1 {
+            let place = ["row", "column"].map(|key| found["first"][key].as_u64().unwrap());
+            assert_eq!((found["outside"].as_u64(), place), (Some(1), [5, 10]), "{found}");
+        }
+    }
+    assert_eq!(code(&tirtouch(&["compare", &a, &a, "--exact"])), 0);
+    assert_eq!(code(&tirtouch(&["compare", &a, &b, "--exact", "--tolerance", "1"])), 2);
+    assert_eq!(code(&tirtouch(&["compare", &a, &b, "--tolerance", "-1"])), 2);
+}
+
+#[test]
+fn a_picture_of_the_difference_is_written_where_images_differ() {
+    let place = Place::new();
+    let [a, b] = [("a.exr", 1.0), ("b.exr", 1.1)].map(|(name, mean)| place.radiance(name, &film(1, mean), UNIT));
+    let folder = shown(place.path().join("difference"));
+    assert_eq!(code(&tirtouch(&["compare", &a, &a, "--exact", "-o", &folder])), 0);
+    assert!(!Path::new(&folder).exists(), "nothing to show");
+    for flags in [&[][..], &["--exact", "--force"]] {
+        assert_eq!(code(&tirtouch(&[&["compare", &a, &b, "-o", &folder], flags].concat())), 1);
+        assert!(std::fs::read_to_string(Path::new(&folder).join("difference.svg")).unwrap().contains("B - A"));
+    }
+    assert_eq!(code(&tirtouch(&["compare", &a, &b, "-o", &folder])), 2, "it exists");
 }
 
 #[test]

@@ -1,9 +1,12 @@
 //! `compare`: do two radiance images show the same light?
 
+mod difference;
+mod strict;
+
 use super::flags::probability;
-use super::{Failure, Outcome, Talk, note, print};
+use super::{Failure, Outcome, OutputFolder, Talk, note, print};
 use crate::film::Film;
-use crate::film::compare::{Comparison, LevelTest, compare};
+use crate::film::compare::{CompareError, Comparison, LevelTest, Paired, compare, compare_paired};
 use crate::image_io::{Provenance, read_radiance};
 use clap::Args;
 use serde_json::{Value, json};
@@ -26,6 +29,14 @@ pub(super) struct Compare {
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..), allow_negative_numbers = true)]
     replicates: u32,
     #[command(flatten)]
+    strict: strict::Strict,
+    /// Folder to write with difference.svg where the images differ.
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace the folder if it exists.
+    #[arg(long, requires = "out")]
+    force: bool,
+    #[command(flatten)]
     talk: Talk,
 }
 
@@ -35,18 +46,32 @@ impl Compare {
         let (b, provenance_b) = self.read(&self.b)?;
         if let (Some(first), Some(second)) = (&provenance_a, &provenance_b) {
             check_units(&self.b, first, second)?;
-            if !self.talk.quiet && shares_random_numbers(first, second) {
-                note(
-                    "both images have the same random numbers (scene, seed and integrator): equal noise hides differences",
-                );
+        }
+        let folder = self.out.as_deref().map(|out| OutputFolder::create(out, self.force)).transpose()?;
+        let (passed, json, text) = match self.strict.asked() {
+            true => self.strict.judge(&a, &b).map_err(|error| self.refused(&error))?,
+            false => {
+                let origins = provenance_a.as_ref().zip(provenance_b.as_ref());
+                let paired = origins.is_some_and(|(first, second)| first.shares_random_numbers(second));
+                let comparison = self.compare(&a, &b, paired)?;
+                let unseen =
+                    comparison.paired.is_none() && origins.is_some_and(|(first, second)| of_one_seed(first, second));
+                if unseen && !self.talk.quiet {
+                    note(
+                        "both images have the same random numbers (scene, seed and integrator): equal noise hides differences",
+                    );
+                }
+                (comparison.passed, self.json(&comparison), table(&comparison))
             }
+        };
+        let found = self.named(json);
+        let mut printed = found.to_string();
+        if let Some(folder) = folder.filter(|_| !passed) {
+            folder.write("difference.svg", &difference::picture(&a, &b, self.strict.asked())?)?;
+            printed = folder.commit(None, found)?.json;
         }
-        let comparison = self.compare(&a, &b)?;
-        match self.talk.json {
-            true => print(&self.json(&comparison).to_string())?,
-            false => print(&table(&comparison))?,
-        }
-        Ok(if comparison.passed { Outcome::Done } else { Outcome::CheckFailed })
+        print(if self.talk.json { &printed } else { &text })?;
+        Ok(if passed { Outcome::Done } else { Outcome::CheckFailed })
     }
 
     fn read(&self, path: &Path) -> Result<(Film, Option<Provenance>), Failure> {
@@ -63,11 +88,21 @@ impl Compare {
         Ok((film, provenance))
     }
 
-    fn compare(&self, a: &Film, b: &Film) -> Result<Comparison, Failure> {
-        compare(a, b, self.level).map_err(|error| {
-            let files = format!("{} and {}", self.a.display(), self.b.display());
-            Failure::input(format!("{files}: {error}")).in_file(&self.b)
-        })
+    fn compare(&self, a: &Film, b: &Film, paired: bool) -> Result<Comparison, Failure> {
+        let found = if paired { compare_paired(a, b, self.level) } else { compare(a, b, self.level) };
+        found.map_err(|error| self.refused(&error))
+    }
+
+    fn refused(&self, error: &CompareError) -> Failure {
+        let files = format!("{} and {}", self.a.display(), self.b.display());
+        Failure::input(format!("{files}: {error}")).in_file(&self.b)
+    }
+
+    /// What was found, with the names of both images.
+    fn named(&self, mut found: Value) -> Value {
+        found["a"] = json!(self.a.display().to_string());
+        found["b"] = json!(self.b.display().to_string());
+        found
     }
 
     fn json(&self, comparison: &Comparison) -> Value {
@@ -75,12 +110,15 @@ impl Compare {
             Some(ratio) => json!(ratio),
             None => json!({"undefined": "the first image is dark"}),
         };
+        let paired = match &comparison.paired {
+            Some(paired) => json!(paired),
+            None => json!({"undefined": "the images do not share their random numbers, or do not say"}),
+        };
         json!({
-            "a": self.a.display().to_string(),
-            "b": self.b.display().to_string(),
             "passed": comparison.passed,
             "level": comparison.level,
             "tests": comparison.tests,
+            "paired": paired,
             "mean_a": comparison.mean_a,
             "mean_b": comparison.mean_b,
             "ratio": ratio,
@@ -98,7 +136,8 @@ fn check_units(file: &Path, first: &Provenance, second: &Provenance) -> Result<(
     }
 }
 
-fn shares_random_numbers(first: &Provenance, second: &Provenance) -> bool {
+/// Whether noise may be common though nothing shows how much of it.
+fn of_one_seed(first: &Provenance, second: &Provenance) -> bool {
     // Images that do not name their stream have those of their seed and scene.
     let origin = |image: &Provenance| match image.stream {
         Some(stream) => (stream, String::new(), image.integrator.clone()),
@@ -110,9 +149,15 @@ fn shares_random_numbers(first: &Provenance, second: &Provenance) -> bool {
 fn table(comparison: &Comparison) -> String {
     let verdict = if comparison.passed { "same" } else { "DIFFERENT" };
     let mut text = format!("{verdict} (chance of a false alarm {})\n", comparison.level);
-    let _ = writeln!(text, "{:<14}{:>9}{:>11}{:>11}{:>11}", "level", "cells", "largest z", "chi2/dof", "p");
+    let columns = ["cells", "largest z", "mean z^2", "p", "would see"];
+    let _ = write!(text, "{:<14}", "level");
+    columns.iter().for_each(|column| _ = write!(text, "{column:>11}"));
+    text.push('\n');
     for test in &comparison.tests {
         let _ = writeln!(text, "{}", row(test));
+    }
+    if let Some(paired) = &comparison.paired {
+        let _ = write!(text, "{}", pairs(paired));
     }
     let _ = writeln!(text, "mean A {:.6e}, mean B {:.6e}", comparison.mean_a, comparison.mean_b);
     match &comparison.ratio {
@@ -124,16 +169,39 @@ fn table(comparison: &Comparison) -> String {
     text
 }
 
+const DIFFERS: &str = "  <- differs";
+
 fn row(test: &LevelTest) -> String {
     let name = match test.edge {
         0 => "whole image".to_owned(),
         1 => "pixels".to_owned(),
         edge => format!("blocks of {edge}"),
     };
-    if test.cells == 0 {
-        return format!("{name:<14}{:>9}  too little light to test", 0);
+    let Some(change) = test.smallest_change else {
+        return format!("{name:<14}{:>11}  too little light to test", 0);
+    };
+    let mark = if test.passed { "" } else { DIFFERS };
+    let figures =
+        format!("{:>11.2}{:>11.3}{:>11.2e}{:>11}", test.max_z, test.mean_square, test.p_value, percent(change));
+    format!("{name:<14}{:>11}{figures}{mark}", test.cells)
+}
+
+/// The comparison replicate by replicate, in words.
+fn pairs(paired: &Paired) -> String {
+    let Paired { groups, regions, max_z, p_value, .. } = paired;
+    let mark = if paired.passed { "" } else { DIFFERS };
+    let mut text = format!(
+        "same seed and work: also compared replicate by replicate\n\
+         {groups} pairs, {regions} regions: largest z {max_z:.2}, p {p_value:.2e}{mark}\n"
+    );
+    if let (Some(ratio), Some(change)) = (&paired.ratio, paired.smallest_change) {
+        let [value, low, high] = [ratio.value, ratio.low, ratio.high];
+        let change = percent(change);
+        let _ = writeln!(text, "B/A of pairs {value:.6} (95 %: {low:.6} to {high:.6}), would see {change}");
     }
-    let mark = if test.passed { "" } else { "  <- differs" };
-    let share = test.chi2 / test.dof;
-    format!("{name:<14}{:>9}{:>11.2}{share:>11.3}{:>11.2e}{mark}", test.cells, test.max_z, test.p_value)
+    text
+}
+
+fn percent(share: f64) -> String {
+    if share < 1e-3 { format!("{:.0e} %", 100.0 * share) } else { format!("{:.2} %", 100.0 * share) }
 }

@@ -144,6 +144,12 @@ fn positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "it must be a finite number above 0".into())
 }
 
+/// A finite number of 0 or more.
+pub(super) fn not_negative(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
+    number.ok_or_else(|| "it must be a finite number of 0 or more".into())
+}
+
 /// A probability strictly between 0 and 1.
 pub(super) fn probability(text: &str) -> Result<f64, String> {
     positive(text).ok().filter(|number| *number < 1.0).ok_or_else(|| "it must be a number between 0 and 1".into())

@@ -2,14 +2,22 @@
 
 pub mod blocks;
 pub mod compare;
+mod correlation;
 mod groups;
+mod inflation;
 pub mod ledger;
+mod parts;
+mod sharing;
 mod tails;
 
-pub use blocks::{BlockAccumulator, BlockLevel, Inflation};
+pub use blocks::{BlockAccumulator, BlockLevel};
 pub use compare::{Comparison, compare};
+pub use correlation::Correlation;
 pub use groups::{Group, MOST_GROUPS};
+pub use inflation::Inflation;
 pub use ledger::Ledger;
+pub use parts::Parts;
+pub use sharing::Sharing;
 pub use tails::{mean_interval, quantile_95};
 
 /// Unit of radiance, as it is written in files, pictures and text.
@@ -34,4 +42,8 @@ pub struct Film {
     /// Mean images of a few groups of replicates, from which a figure of the image takes its own error. Empty: unknown (a file keeps
     /// none).
     pub groups: Vec<Group>,
+    /// How much pixels and blocks move together. Empty: unknown, and they count as independent.
+    pub correlation: Vec<Correlation>,
+    /// Mean radiances of a few regions in each of a few groups of replicates. Empty: unknown.
+    pub parts: Parts,
 }

@@ -38,6 +38,27 @@ pub fn quantile_95(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(NORMAL, |t| t.inverse_cdf(0.975))
 }
 
+/// The deviate that Student's t of `freedom` degrees exceeds on either side with probability `p`, to 1e-9.
+pub(super) fn two_sided_quantile(p: f64, freedom: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    while two_sided(high, freedom) > p && high < 1e12 {
+        high *= 2.0;
+    }
+    while high - low > 1e-9 * high {
+        let middle = 0.5 * (low + high);
+        if two_sided(middle, freedom) > p { low = middle } else { high = middle }
+    }
+    high
+}
+
+/// How many standard errors a difference must have to exceed the deviate of `p` in 90 of 100 cases: the noncentral t by its normal
+/// approximation (Johnson and Welch 1940).
+pub(super) fn seen_in_90_percent(p: f64, freedom: f64) -> f64 {
+    const NORMAL_90: f64 = 1.281_551_565_544_6;
+    let deviate = two_sided_quantile(p, freedom);
+    deviate * (1.0 - 0.25 / freedom) + NORMAL_90 * (1.0 + deviate * deviate / (2.0 * freedom)).sqrt()
+}
+
 /// Mean of independent values, and half of its 95 % interval; nothing is known of the spread of a single value.
 pub fn mean_interval(values: &[f64]) -> [f64; 2] {
     let n = values.len().max(1) as f64;
@@ -68,5 +89,11 @@ mod tests {
         close(quantile_95(15.0), 2.131_449_546);
         close(normal_deviate(0.05), 1.959_963_985);
         close(sidak(1e-12, 1e5), 1e-7 * (1.0 - 5e-8));
+        close(two_sided_quantile(0.05, 15.0), 2.131_449_546);
+        // Noncentralities at which scipy.stats.nct leaves 0.9 above the deviate; the approximation is good to 1e-3.
+        for (p, freedom, exact) in [(0.05, 15.0, 3.470_88), (1e-3, 15.0, 5.603_04), (1e-7, 30.0, 8.622_95)] {
+            assert!((seen_in_90_percent(p, freedom) / exact - 1.0).abs() < 1e-3, "{p}");
+        }
+        assert!((seen_in_90_percent(0.05, f64::INFINITY) - 3.241_515).abs() < 1e-5);
     }
 }

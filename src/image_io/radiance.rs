@@ -7,7 +7,7 @@ use super::exr_chunks::with_exr;
 use super::exr_header::PROVENANCE;
 use super::{ImageError, limits};
 use crate::film::blocks::cells;
-use crate::film::{Film, Inflation};
+use crate::film::{Correlation, Film, Inflation, Parts, Sharing};
 use exr::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -44,11 +44,28 @@ pub struct Provenance {
     pub version: String,
     /// The command that computed it, without what does not change the light.
     pub command: String,
-    /// How the film's pixels hang together in blocks; written from the film.
+    /// How much the film's cells move together; written from the film.
+    pub correlation: Vec<Correlation>,
+    /// From which the variances of its blocks are made; written from the film.
+    pub sharing: Vec<Sharing>,
+    /// Regions of its groups of replicates; written from the film.
+    pub parts: Parts,
+    /// What stood there in place of `sharing` at first: read, not written.
+    #[serde(skip_serializing)]
     pub inflation: Vec<Inflation>,
 }
 
-/// Writes `film` as an EXR. Of each block an inflation factor is kept.
+impl Provenance {
+    /// Whether both images come from the same random numbers, replicate by replicate: of one seed, and with the same work.
+    #[must_use]
+    pub fn shares_random_numbers(&self, other: &Self) -> bool {
+        let stream = |image: &Self| (image.stream.is_some(), image.stream.unwrap_or(image.seed));
+        let work = |image: &Self| (image.spp, image.photons, image.replicates, image.integrator.clone());
+        self.spp > 0 && stream(self) == stream(other) && work(self) == work(other)
+    }
+}
+
+/// Writes `film` as an EXR. Of its blocks and replicates a few numbers are kept.
 ///
 /// # Errors
 /// When the film has no pixels, arrays that do not fit its size, or the file cannot be written.
@@ -72,7 +89,13 @@ pub fn write_radiance_as(
         return Err(refused("a film without pixels, or of another size than its arrays".into()));
     }
     limits::check_size(path, film.width.into(), film.height.into())?;
-    let provenance = Provenance { replicates: film.replicates, inflation: film.inflation(), ..provenance.clone() };
+    let provenance = Provenance {
+        replicates: film.replicates,
+        correlation: film.correlation.clone(),
+        sharing: film.sharing(),
+        parts: film.parts.clone(),
+        ..provenance.clone()
+    };
     let json = serde_json::to_string(&provenance).map_err(|error| refused(error.to_string()))?;
     // EXR strings have no encoding: JSON escapes keep them ASCII.
     let mut ascii = String::with_capacity(json.len());
@@ -132,18 +155,39 @@ pub fn read_radiance(path: &Path) -> std::result::Result<(Film, Option<Provenanc
         // What stands for pixels without light bounds what was missed there; replicates of nothing have no variance.
         let pixels = film.variance.iter_mut().zip(&film.mean);
         pixels.filter(|(_, mean)| **mean == 0.0).for_each(|(variance, _)| *variance = 0.0);
-        if provenance.inflation.iter().any(|entry| !(entry.factor.is_finite() && entry.factor >= 1.0)) {
-            return Err(damaged("an inflation factor is below 1"));
+        if let Some(reason) = fault(&film, &provenance) {
+            return Err(damaged(reason));
         }
-        let fits = |entry: &Inflation| {
-            entry.blocks.is_empty() || entry.blocks.len() == cells(film.width, film.height, entry.edge)
+        let film = Film { replicates: provenance.replicates, ..film };
+        let film = match provenance.inflation.is_empty() {
+            true => Film {
+                correlation: provenance.correlation.clone(),
+                parts: provenance.parts.clone(),
+                ..film.with_sharing(&provenance.sharing)
+            },
+            false => film.with_inflation(&provenance.inflation),
         };
-        if !provenance.inflation.iter().all(fits) {
-            return Err(damaged("the inflation of its blocks is not of their number"));
-        }
-        let film = Film { replicates: provenance.replicates, ..film }.with_blocks(&provenance.inflation);
         Ok((film, Some(provenance)))
     })
+}
+
+/// What in a header does not fit its film.
+fn fault(film: &Film, provenance: &Provenance) -> Option<&'static str> {
+    let share = |value: f64| value > 0.0 && value <= 1.0;
+    let blocks = |entry: &Inflation| cells(film.width, film.height, entry.edge);
+    if provenance.inflation.iter().any(|entry| !(entry.factor.is_finite() && entry.factor >= 1.0)) {
+        return Some("an inflation factor is below 1");
+    }
+    if provenance.inflation.iter().any(|entry| !(entry.blocks.is_empty() || entry.blocks.len() == blocks(entry))) {
+        return Some("the inflation of its blocks is not of their number");
+    }
+    if !provenance.correlation.iter().all(|entry| share(entry.pairs) && share(entry.triples)) {
+        return Some("a correlation is not within 0 and 1");
+    }
+    if !provenance.sharing.iter().all(|entry| entry.fits(film.width, film.height)) {
+        return Some("what its pixels share is not of the number of its tiles");
+    }
+    (!provenance.parts.is_whole()).then_some("the regions of its replicates are not of their number")
 }
 
 fn read_folder(folder: &Path) -> std::result::Result<Film, ImageError> {
@@ -237,12 +281,60 @@ mod tests {
         let (read, origin) = read_radiance(&path).unwrap();
         assert_eq!((read.width, read.height, read.replicates), (24, 18, 8));
         assert_eq!((&read.mean, &read.variance), (&film.mean, &film.variance));
-        let expected = Provenance { replicates: 8, inflation: film.inflation(), ..provenance() };
+        let expected = Provenance {
+            replicates: 8,
+            correlation: film.correlation.clone(),
+            sharing: film.sharing(),
+            parts: film.parts.clone(),
+            ..provenance()
+        };
         assert_eq!(origin, Some(expected));
-        // Its blocks are those of its pixels and factors.
-        let rebuilt = Film { blocks: Vec::new(), ..film.clone() }.with_blocks(&film.inflation());
-        assert_eq!(read.blocks, rebuilt.blocks);
-        assert!(film.inflation().iter().any(|entry| entry.factor > 1.5), "the pairs show: {:?}", film.inflation());
+        // Its blocks are those of its pixels and what they share.
+        let rebuilt = Film { blocks: Vec::new(), ..film.clone() }.with_sharing(&film.sharing());
+        assert_eq!((read.blocks, read.correlation), (rebuilt.blocks, rebuilt.correlation));
+        assert_eq!(read.parts, film.parts);
+        assert!(film.sharing()[0].shares.iter().any(|&share| share > 0.01), "the pairs show: {:?}", film.sharing());
+    }
+
+    #[test]
+    fn the_header_of_a_large_image_is_short() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("radiance.exr");
+        let mut sums = BlockAccumulator::new(700, 500);
+        for replicate in 0..31 {
+            let pixel = |k: u32| f64::from(k % 700 * (replicate + 3) % 101) + 1.0;
+            sums.add(&(0..700 * 500).map(pixel).collect::<Vec<_>>()).unwrap();
+        }
+        write_radiance(&path, &sums.finish(), &provenance()).unwrap();
+        let (_, origin) = read_radiance(&path).unwrap();
+        let json = serde_json::to_string(&origin.unwrap()).unwrap();
+        assert!(json.len() < 3000, "{} bytes: {json}", json.len());
+    }
+
+    #[test]
+    fn headers_that_do_not_fit_their_film_are_refused() {
+        let film = film();
+        let whole = Provenance {
+            correlation: film.correlation.clone(),
+            sharing: film.sharing(),
+            parts: film.parts.clone(),
+            ..provenance()
+        };
+        assert_eq!(fault(&film, &whole), None);
+        let with = |change: &dyn Fn(&mut Provenance)| {
+            let mut changed = whole.clone();
+            change(&mut changed);
+            fault(&film, &changed)
+        };
+        assert!(with(&|p| p.correlation[0].pairs = 2.0).is_some());
+        assert!(with(&|p| p.correlation[0].triples = f64::NAN).is_some());
+        assert!(with(&|p| _ = p.sharing[0].shares.pop()).is_some());
+        assert!(with(&|p| p.sharing[0].edge = 5).is_some());
+        assert!(with(&|p| _ = p.parts.radiance.pop()).is_some());
+        let inflation = |factor, blocks: usize| vec![Inflation { edge: 4, factor, blocks: vec![1.0; blocks] }];
+        assert!(with(&|p| p.inflation = inflation(0.5, 0)).is_some());
+        assert!(with(&|p| p.inflation = inflation(1.0, 29)).is_some());
+        assert!(with(&|p| p.inflation = inflation(1.0, 30)).is_none());
     }
 
     #[test]

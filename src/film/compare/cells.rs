@@ -8,7 +8,7 @@ const TILE: usize = 16;
 
 /// The cells of one film at one level.
 #[derive(Clone, Copy)]
-pub(super) struct Cells<'a> {
+pub(in crate::film) struct Cells<'a> {
     pub columns: u32,
     pub mean: &'a [f32],
     pub variance: &'a [f32],
@@ -18,7 +18,7 @@ pub(super) struct Cells<'a> {
 
 /// One cell of one film.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Cell {
+pub(in crate::film) struct Cell {
     pub mean: f64,
     variance: f64,
     freedom: f64,
@@ -29,6 +29,16 @@ impl Cells<'_> {
         let pairs = self.mean.iter().zip(self.variance);
         let freedom = self.freedom;
         pairs.map(move |(&mean, &variance)| Cell { mean: mean.into(), variance: variance.into(), freedom })
+    }
+
+    /// The cells that vary and have light enough to be tested, by this film alone.
+    pub fn lit(&self) -> Vec<usize> {
+        let weights = self.weights();
+        let lit = |(cell, weight): (Cell, &Option<f64>)| {
+            cell.variance > 0.0 && weight.is_some_and(|weight| cell.mean >= MIN_CONTRIBUTIONS * weight)
+        };
+        let judged: Vec<bool> = self.iter().zip(&weights).map(lit).collect();
+        (0..judged.len()).filter(|&cell| judged.get(cell) == Some(&true)).collect()
     }
 
     pub fn first(&self) -> Cell {
@@ -76,8 +86,23 @@ impl Tiles {
     }
 }
 
-/// The two-sided probability of a cell's difference; none where it is dark in both films or has too little light.
-pub(super) fn test_cell(mut a: Cell, mut b: Cell, weights: [f64; 2], always: bool) -> Option<f64> {
+/// A tested cell.
+#[derive(Clone, Copy)]
+pub(super) struct Tested {
+    /// Its place, row-major.
+    pub index: usize,
+    /// Two-sided probability of its difference.
+    pub p: f64,
+    /// Share of the first film in the variance of the difference.
+    pub share: f64,
+    /// Standard error of the difference over the light of both.
+    pub relative_error: f64,
+    /// Degrees of freedom of the difference.
+    pub freedom: f64,
+}
+
+/// Tests a cell's difference; none where it is dark in both films or has too little light.
+pub(super) fn test_cell(index: usize, [mut a, mut b]: [Cell; 2], weights: [f64; 2], always: bool) -> Option<Tested> {
     let dark = |cell: Cell| cell.mean == 0.0 && cell.variance == 0.0;
     if dark(a) && dark(b) {
         return None;
@@ -97,11 +122,10 @@ pub(super) fn test_cell(mut a: Cell, mut b: Cell, weights: [f64; 2], always: boo
     }
     let floor = (ROUNDING * a.mean.abs().max(b.mean.abs())).powi(2);
     let variance = a.variance + b.variance + floor;
-    let difference = a.mean - b.mean;
-    if difference == 0.0 {
-        return Some(1.0);
-    }
-    Some(tails::two_sided(difference / variance.sqrt(), welch(variance, a, b)))
+    let (difference, freedom) = (a.mean - b.mean, welch(variance, a, b));
+    let p = if difference == 0.0 { 1.0 } else { tails::two_sided(difference / variance.sqrt(), freedom) };
+    let share = (a.variance + 0.5 * floor) / variance;
+    Some(Tested { index, p, share, relative_error: variance.sqrt() / light.abs(), freedom })
 }
 
 /// Degrees of freedom of a difference of two cells (Welch 1947).
