@@ -17,7 +17,7 @@
 //!   chi-square that has its mean, variance and skewness (Hall 1983; Buckley and Eagleson 1988). These follow from how
 //!   much the cells of both films move together ([`super::Correlation`]), dim cells counted as bright ones.
 //! - Each level says the smallest change it could have seen, and films of the same random numbers are compared replicate
-//!   by replicate as well ([`paired`]).
+//!   by replicate as well (`paired.rs`).
 
 pub(super) mod cells;
 mod exact;

@@ -172,7 +172,7 @@ fn the_camera_of_a_scene_gives_the_scale() {
     let said = estimated(&place, &[&image, "--exposure", "scene.toml"]);
     let inspected = json(&tirtouch_in(place.path(), &["inspect", "scene.toml", "--json"]));
     let scale = inspected["camera"]["mm_per_pixel"].as_f64().unwrap();
-    let size = |said: &Value| said["images"][0]["estimates"]["size_mm"]["value"].as_f64().unwrap();
+    let size = |said: &Value| said["images"][0]["paper"]["diameter_mm"]["value"].as_f64().unwrap();
     let pixels = said["images"][0]["paper"]["diameter_px"]["value"].as_f64().unwrap();
     assert!((size(&said) - pixels * scale).abs() < 1e-12 * size(&said), "{said}");
     place.write("calibration.toml", "mm_per_pixel = 0.5\n");

@@ -14,7 +14,6 @@ mod adapter;
 mod device;
 mod extremes;
 mod fates;
-mod figures;
 mod films;
 mod golden;
 mod lamps;
