@@ -5,7 +5,9 @@
 //! quiet pixels, the lower quartile q; what a pixel has above is its own (the glint of an LED). With s_i^2 = min(v_i,
 //! q), the block's variance is
 //!
-//!     (sum v_i + g ((sum s_i)^2 - sum s_i^2)) / N^2
+//! ```text
+//! (sum v_i + g ((sum s_i)^2 - sum s_i^2)) / N^2
+//! ```
 //!
 //! where g is the share of s_i^2 that is common: one number for the blocks of one edge in a tile of the image, fitted
 //! to the variances that the replicates gave. On `contact-disc` at 96 x 72 pixels nine tenths of the blocks of 4 are
