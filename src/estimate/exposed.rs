@@ -8,6 +8,11 @@ use rayon::prelude::*;
 /// Equal paths that light needs to count as normal.
 const FEW_PATHS: f64 = 4.0;
 
+/// Whether fewer than [`FEW_PATHS`] equal paths would vary as much (of n the relative variance is 1/n).
+pub(super) fn of_few_paths(light: f64, variance: f64) -> bool {
+    light * light < FEW_PATHS * variance
+}
+
 /// A film as a camera sees it. All variances are of grey levels before rounding.
 #[derive(Debug, Clone)]
 pub struct Exposed<'a> {
@@ -55,9 +60,19 @@ impl<'a> Exposed<'a> {
         };
         let signal: Vec<Signal> =
             film.mean.par_iter().zip(&grey_per_radiance).zip(&light_variance).map(pixel).collect();
-        let read = signal.par_iter().map(|signal| signal.read(top)).collect();
         let dark = Signal { mean: dark_e * gain + sensor.black_level, sd: of_camera(dark_e).sqrt() };
-        Ok(Self { film, grey_per_radiance, signal, read, light_variance, dark, top })
+        let mut exposed = Self { film, grey_per_radiance, signal, read: Vec::new(), light_variance, dark, top };
+        exposed.read = (0..film.mean.len()).into_par_iter().map(|pixel| exposed.read_of(pixel)).collect();
+        Ok(exposed)
+    }
+
+    fn read_of(&self, pixel: usize) -> Response {
+        let signal = self.signal(pixel);
+        if !self.is_of_few_paths(pixel) {
+            return signal.read(self.top);
+        }
+        let sd = (signal.sd * signal.sd - self.light_variance(pixel)).max(0.0).sqrt();
+        self.of_few_paths(pixel, |shift| Signal { mean: signal.mean + shift, sd }.read(self.top))
     }
 
     /// Columns.
@@ -85,21 +100,37 @@ impl<'a> Exposed<'a> {
         self.light_variance.get(pixel).copied().unwrap_or(0.0)
     }
 
-    /// Whether so few paths brought a pixel's light that it is not normal: fewer than [`FEW_PATHS`] equal ones would vary as
-    /// much (of n the relative variance is 1/n).
+    /// Whether so few paths brought a pixel's light that it is not normal.
     pub(super) fn is_of_few_paths(&self, pixel: usize) -> bool {
-        let light = self.signal(pixel).mean - self.dark.mean;
         let variance = self.light_variance(pixel);
-        variance > 0.0 && light * light < FEW_PATHS * variance
+        variance > 0.0 && of_few_paths(self.light(pixel), variance)
     }
 
-    /// Grey levels by which a pixel's mean moves when one group of replicates is left out, group by group.
-    pub(super) fn left_out(&self, pixel: usize) -> impl Iterator<Item = f64> {
+    /// Grey levels that the light of the LEDs makes of a pixel.
+    pub(super) fn light(&self, pixel: usize) -> f64 {
+        self.signal(pixel).mean - self.dark.mean
+    }
+
+    /// What is made of the light of a pixel that few paths brought. `respond` says it for the light as it is, moved by so many
+    /// grey levels. The light's share of the variance is that of leaving out one group of replicates at a time (the jackknife,
+    /// which errs to the safe side: Efron and Stein 1981), the slope the line through those values: no less than the share
+    /// that follows the line, the rest is the pixel's own.
+    pub(super) fn of_few_paths(&self, pixel: usize, respond: impl Fn(f64) -> Response) -> Response {
+        let found = respond(0.0);
         let total: f64 = self.groups().iter().map(|group| f64::from(group.replicates)).sum();
-        self.groups().iter().map(move |group| {
+        let left_out = self.groups().iter().map(|group| {
             let share = f64::from(group.replicates);
-            -share * self.deviation(group, pixel) / (total - share)
-        })
+            let shift = -share * self.deviation(group, pixel) / (total - share);
+            (shift, respond(shift).mean)
+        });
+        let left_out: Vec<(f64, f64)> = left_out.collect();
+        let groups = left_out.len() as f64;
+        let middle = left_out.iter().map(|(_, mean)| mean).sum::<f64>() / groups;
+        let sum =
+            |of: &dyn Fn(f64, f64) -> f64| left_out.iter().map(|(shift, mean)| of(*shift, mean - middle)).sum::<f64>();
+        let jackknife = (groups - 1.0) / groups * sum(&|_, off| off * off);
+        let slope = sum(&|shift, off| shift * off) / sum(&|shift, _| shift * shift);
+        Response { mean: found.mean, variance: found.variance + jackknife, slope }
     }
 
     /// A pixel that no LED lights.

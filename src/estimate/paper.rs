@@ -104,7 +104,10 @@ pub fn measure(image: &GreyImage, frame: &Exposed, subtracted: Subtracted, thres
         paper.centroid_px = Value::Known { value: place, low: shifted(-1.0), high: shifted(1.0) };
     }
     if let Some(&h) = paper.h_grey.best() {
-        paper.h_grey = with_error(h, &spread.h);
+        paper.h_grey = match &spread.h {
+            Some(variance) => with_error(h, variance),
+            None => Value::undefined("few paths, or none, brought the light about the centroid: trace more"),
+        };
     }
     if paper.lit_pixels > 0 {
         paper.diameter_px = diameter_of_count(paper.lit_pixels, &spread.lit);

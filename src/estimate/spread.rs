@@ -15,10 +15,10 @@
 //! (Cacoullos 1982: var f >= f'^2 var). What is neglected is of second order in the correlation of pairs of pixels. Parts
 //! of different freedom are joined by Satterthwaite's rule (1946).
 //!
-//! Where few paths brought a pixel's light it is not normal. Whether such a pixel is lit varies as leaving out one group at
-//! a time says (the jackknife, which errs to the safe side: Efron and Stein 1981), without its neighbours.
+//! Where few paths brought a pixel's light it is not normal: there f_i' and var f_i are those of leaving out one group at a
+//! time (`exposed.rs`).
 
-use super::exposed::Exposed;
+use super::exposed::{Exposed, of_few_paths};
 use super::image::GreyImage;
 use super::value::Value;
 use crate::camera::{Response, Signal};
@@ -66,7 +66,8 @@ pub(super) struct Spread {
     pub lit: Variance,
     /// Column and row.
     pub centroid: [Variance; 2],
-    pub h: Variance,
+    /// None where few paths, or no path, brought the light about the centroid.
+    pub h: Option<Variance>,
     /// Pixels that would be lit by noise alone, and the variance of their number.
     pub lit_by_noise: f64,
     pub lit_by_noise_variance: Variance,
@@ -130,12 +131,12 @@ impl Reader<'_> {
             Variance { known: known[figure].max(0.0), light }
         };
         let centroid_variance = [variance(1), variance(2)];
-        let h = centroid.map(|place| self.h(place, centroid_variance, &projected));
+        let h = centroid.and_then(|place| self.h(place, centroid_variance, &projected));
         Spread {
             sum: variance(0),
             centroid: centroid_variance,
             lit: variance(3),
-            h: h.unwrap_or_default(),
+            h,
             lit_by_noise,
             lit_by_noise_variance: variance(4),
         }
@@ -191,33 +192,36 @@ impl Reader<'_> {
             true => Response { mean: 0.0, variance: 0.0, slope: 0.0 },
             false => self.frame.signal(pixel).exceeds((base + k).floor() + 0.5),
         };
+        let by_frame = |found: Response| (found, [found.slope, 0.0]);
         match self.subtracted {
             Subtracted::Nothing => {
-                let found = self.of_few_paths(pixel, level).unwrap_or_else(|| of_frame(0.0));
+                let (found, slopes) = self.of_few_paths(pixel, level).unwrap_or_else(|| by_frame(of_frame(0.0)));
                 let by_noise = self.frame.dark().exceeds(level);
-                Lit { found, by_noise, slopes: [[found.slope, 0.0], [0.0, 0.0]] }
+                Lit { found, by_noise, slopes: [slopes, [0.0, 0.0]] }
             }
             Subtracted::Image(image) => {
                 let base = image.grey().get(pixel).copied().unwrap_or(0.0);
                 let few = self.of_few_paths(pixel, (base + k).floor() + 0.5);
-                let found = few.unwrap_or_else(|| of_frame(base));
+                let (found, slopes) = few.unwrap_or_else(|| by_frame(of_frame(base)));
                 let by_noise = difference(0.0, 2.0 * read.variance).exceeds(level);
-                Lit { found, by_noise, slopes: [[found.slope, 0.0], [by_noise.slope * read.slope, 0.0]] }
+                Lit { found, by_noise, slopes: [slopes, [by_noise.slope * read.slope, 0.0]] }
             }
             Subtracted::Frame(reference) => {
                 let other = reference.read(pixel);
                 let variance = read.variance + other.variance;
+                let both = |found: Response| (found, [found.slope * read.slope, found.slope * other.slope]);
                 let few = self.of_few_paths(pixel, level);
-                let found = few.unwrap_or_else(|| difference(read.mean - other.mean, variance).exceeds(level));
-                let by_noise = difference(0.0, variance).exceeds(level);
-                let slopes = [found.slope, by_noise.slope].map(|slope| [slope * read.slope, slope * other.slope]);
-                Lit { found, by_noise, slopes }
+                let (found, slopes) =
+                    few.unwrap_or_else(|| both(difference(read.mean - other.mean, variance).exceeds(level)));
+                let (by_noise, by_noise_slopes) = both(difference(0.0, variance).exceeds(level));
+                Lit { found, by_noise, slopes: [slopes, by_noise_slopes] }
             }
         }
     }
 
-    /// Whether a pixel is lit whose light few paths brought, in the frame or in the reference; `None` where many did in both.
-    fn of_few_paths(&self, pixel: usize, level: f64) -> Option<Response> {
+    /// Whether a pixel is lit whose light few paths brought, in the frame or in the reference, with the slopes by the signals of
+    /// both; `None` where many did in both.
+    fn of_few_paths(&self, pixel: usize, level: f64) -> Option<(Response, [f64; 2])> {
         let few = [0, 1].map(|which| self.exposed(which).filter(|one| one.is_of_few_paths(pixel)));
         if few.iter().all(Option::is_none) {
             return None;
@@ -227,18 +231,17 @@ impl Reader<'_> {
         let of_few: f64 = few.iter().flatten().map(|one| one.light_variance(pixel)).sum();
         let mean = signals[0].map_or(0.0, |signal| signal.mean) - signals[1].map_or(0.0, |signal| signal.mean);
         let signal = Signal { mean, sd: (variance - of_few).max(0.0).sqrt() };
-        let found = signal.exceeds(level);
-        let signed = few.iter().zip([1.0, -1.0]).filter_map(|(one, sign)| Some(((*one)?, sign)));
-        let jackknife = signed.map(|(one, sign)| {
-            let chances: Vec<f64> = one
-                .left_out(pixel)
-                .map(|shift| Signal { mean: mean + sign * shift, ..signal }.exceeds(level).mean)
-                .collect();
-            let groups = chances.len() as f64;
-            let middle = chances.iter().sum::<f64>() / groups;
-            (groups - 1.0) / groups * chances.iter().map(|chance| (chance - middle).powi(2)).sum::<f64>()
+        let mut found = signal.exceeds(level);
+        let by_camera = found.variance;
+        let slopes = [(few[0], 1.0), (few[1], -1.0)].map(|(one, sign)| {
+            one.map_or(0.0, |one| {
+                let moved = |shift: f64| Signal { mean: mean + sign * shift, ..signal }.exceeds(level);
+                let by_light = one.of_few_paths(pixel, moved);
+                found.variance += by_light.variance - by_camera;
+                sign * by_light.slope
+            })
         });
-        Some(Response { variance: found.variance + jackknife.sum::<f64>(), slope: 0.0, ..found })
+        Some((found, slopes))
     }
 
     /// Variance of the mean over groups of replicates of one number each, and its degrees of freedom.
@@ -255,11 +258,22 @@ impl Reader<'_> {
         (squares / (freedom * total), freedom)
     }
 
-    /// Variance of h: of the four pixels about the centroid, and of the centroid on the slope of the image.
-    fn h(&self, place: [f64; 2], centroid: [Variance; 2], projected: &[Vec<[f64; SUMS]>; 2]) -> Variance {
+    /// Variance of h: of the four pixels about the centroid, and of the centroid on the slope of the image. None where these pixels'
+    /// light is not known well enough for one; a reference may be dark there.
+    fn h(&self, place: [f64; 2], centroid: [Variance; 2], projected: &[Vec<[f64; SUMS]>; 2]) -> Option<Variance> {
         let errors = centroid.map(|variance| variance.total().sqrt());
         let slope = self.slope_at(place, errors);
         let around = GreyImage::around(place, [self.frame.width(), self.pixels() / self.frame.width().max(1)]);
+        for which in [0, 1] {
+            let Some(exposed) = self.exposed(which).filter(|exposed| !exposed.groups().is_empty()) else { continue };
+            let mean: f64 = around.iter().map(|&(pixel, weight)| weight * exposed.light(pixel)).sum();
+            let of_group =
+                |group| around.iter().map(|&(pixel, weight)| weight * exposed.deviation(group, pixel)).sum::<f64>();
+            let (variance, _) = self.of_groups(which, exposed.groups().iter().map(of_group));
+            if of_few_paths(mean, variance) || (which == 0 && mean == 0.0) {
+                return None;
+            }
+        }
         let light = [0, 1].map(|which| {
             let numbers: Vec<f64> = self.exposed(which).map_or_else(Vec::new, |exposed| {
                 let one = |(group, sums): (&Group, &[f64; SUMS])| {
@@ -276,7 +290,7 @@ impl Reader<'_> {
         let squares = bilinear_square(place[0], errors[0]) * bilinear_square(place[1], errors[1]);
         let four: f64 = around.iter().map(|&(pixel, weight)| weight * self.beyond_light(pixel)).sum();
         let known = squares * four + slope[0].powi(2) * centroid[0].known + slope[1].powi(2) * centroid[1].known;
-        Variance { known, light }
+        Some(Variance { known, light })
     }
 
     /// Slope of the expected image along columns and rows: a plane fitted about a place.

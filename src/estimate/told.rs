@@ -24,7 +24,7 @@ pub(super) fn by_noise(lit: usize, expected: f64, variance: f64) -> Option<Strin
     if chance > LEVEL {
         return Some(format!(
             "what is lit is not told from noise: {lit} pixels are lit, and {expected:.1} would be with nothing to see \
-             (as many by chance: {chance:.1e}); d, its centroid and h say nothing of an object"
+             (as many by chance: {chance:.1e}); d is that of noise"
         ));
     }
     (expected > NOISE_SHARE * lit)
