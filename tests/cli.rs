@@ -115,7 +115,7 @@ fn small(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
     let text = std::fs::read_to_string(path).unwrap();
     let line = text.lines().find(|line| line.starts_with("pixels = ")).unwrap();
-    text.replace(line, "pixels = [48, 36]")
+    text.replace(line, "pixels = [48, 36]") + "\n[render]\nphotons = 65536\nmap_texel_mm = 0.5\n"
 }
 
 fn shown(path: PathBuf) -> String {

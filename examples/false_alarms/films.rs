@@ -51,6 +51,7 @@ fn pressed(loaded: &LoadedScene) -> Result<Model<f64>> {
 /// The films of seeds `0..count`: rendered on one device, or read where a run before has left them in `folder`.
 pub struct Films {
     pub size: [u32; 2],
+    samples: u32,
     files: Vec<PathBuf>,
 }
 
@@ -74,7 +75,7 @@ impl Films {
             std::fs::write(&whole, bytemuck::cast_slice(&replicates))?;
             std::fs::rename(&whole, file)?;
         }
-        Ok(Self { size: model.camera.size, files })
+        Ok(Self { size: model.camera.size, samples: spp, files })
     }
 
     /// A film as its file has it: without its groups, its blocks made from what pixels share.
@@ -87,7 +88,7 @@ impl Films {
         }
         let film = sum.finish();
         let sharing = film.sharing();
-        Ok(Film { groups: Vec::new(), ..film }.with_sharing(&sharing))
+        Ok(Film { groups: Vec::new(), samples: self.samples, ..film }.with_sharing(&sharing))
     }
 }
 

@@ -11,6 +11,8 @@ use crate::scene::Camera;
 const PERCENTILE: f64 = 0.99;
 /// How full its well is then: shot noise of a well of 15,000 electrons is 1 % there, so that noise does not clip.
 const WANTED: f64 = 0.8;
+/// Largest share of dark current in it.
+const MOST_DARK: f64 = 0.5;
 /// Below this it is too dark: 25 of 255 grey levels, where rounding alone is 1 % of them.
 const DIM: f64 = 0.1;
 
@@ -46,6 +48,10 @@ impl Suited {
         let usable = sensor.full_well_e * (1.0 - sensor.black_level / f64::from(top_grey(sensor.bit_depth)));
         let share = brightest / usable;
         let suggested_ms = WANTED / share * sensor.exposure_ms;
+        let dark = sensor.dark_current_e_per_s * 1e-3 * suggested_ms;
+        if dark > MOST_DARK * WANTED * usable {
+            return Ok(Self::Undefined("the light is too dim: dark current would fill the wells before it"));
+        }
         Ok(match suggested_ms.is_finite() && suggested_ms > 0.0 {
             true => Self::Filled { share, suggested_ms },
             false => Self::Undefined("no electrons are expected of the light"),

@@ -83,7 +83,10 @@ impl Inspect {
         let shrink = camera.size[0].max(camera.size[1]).div_ceil(most);
         camera.size = camera.size.map(|pixels| (pixels / shrink).max(1));
         camera.pixel_tan *= f64::from(shrink);
-        let settings = Settings { spp, photons: None, ..job.settings.clone() };
+        // No more photons than paths: the fewest that an image has by itself are for its quality, and would hide its paths here.
+        let paths = u64::from(camera.size[0]) * u64::from(camera.size[1]) * u64::from(spp);
+        let photons = Some(job.settings.photons.unwrap_or(paths).min(paths));
+        let settings = Settings { spp, photons, ..job.settings.clone() };
         let other = Streams { role: Role::Timing, ..job.streams.clone() };
         let progress = Progress::new(self.talk.quiet);
         Ok(gains(&model, &settings, other.light(), self.rounds, &mut |stage| {

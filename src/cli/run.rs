@@ -146,7 +146,7 @@ fn text(shot: &Shot, figures: &Figures, truth: &Truth, out: &str) -> String {
                 figure(figures.threshold_grey)
             ),
         ),
-        row("", format!("{} of what is lit", said(&paper.diameter_mm, "mm"))),
+        row("its diameter", said(&paper.diameter_mm, "mm")),
         row("indicator h", said(&paper.h_grey, "grey levels")),
         row("sum M", said(&paper.sum_grey, "grey levels")),
         row("size", said(&estimates.size_mm, "mm")),

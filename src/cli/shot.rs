@@ -156,6 +156,7 @@ impl<'a> Shot<'a> {
             "replicates": outcome.film.replicates,
             "paths": outcome.paths,
             "photons": outcome.photons,
+            "ledger_photons": outcome.ledger_photons,
             "map": outcome.smoothing.map_or_else(|| json!({"undefined": "no map"}), |smoothing| self.map_json(smoothing)),
             "segments": outcome.segments,
             "setup_seconds": outcome.setup_seconds,

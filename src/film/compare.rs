@@ -13,6 +13,8 @@
 //! - A cell that is dark in both films agrees and is not counted. One that is dark in one film gets the variance its
 //!   expected light would have had there, by the same weight.
 //! - The standard error has a floor, [`ROUNDING`] of the radiance: two f32 tracers differ by that much without noise.
+//! - A pixel that a border of light crosses may have all its few samples on one side: its variance is at least what that leaves
+//!   open ([`Cells::across_borders`]).
 //! - Neighbours may be correlated: the largest deviate stays conservative then, and the sum of squares is judged by the
 //!   chi-square that has its mean, variance and skewness (Hall 1983; Buckley and Eagleson 1988). These follow from how
 //!   much the cells of both films move together ([`super::Correlation`]), dim cells counted as bright ones.
@@ -135,8 +137,8 @@ pub struct LevelTest {
     pub p_value: f64,
     /// Whether that chance is above the level's share of the family-wise level.
     pub passed: bool,
-    /// The relative change of a single cell, of median noise, that would have been called different in 90 of 100 cases; none where
-    /// no cell was tested.
+    /// The relative brightening of a single cell, of median noise, that would have been called different in 90 of 100 cases; its
+    /// noise grows with it. None where no cell was tested, or no brightening would be seen.
     #[serde(serialize_with = "or_undefined")]
     pub smallest_change: Option<f64>,
     /// That cell's place, row-major from 0.
@@ -201,6 +203,8 @@ fn judge(a: &Film, b: &Film, level: f64, paired: Option<Paired>) -> Result<Compa
 struct Side<'a> {
     film: Cow<'a, Film>,
     name: &'static str,
+    /// Variances of its pixels, those at borders of light included.
+    pixel_variance: Vec<f32>,
 }
 
 impl<'a> Side<'a> {
@@ -220,7 +224,12 @@ impl<'a> Side<'a> {
         for block in &film.blocks {
             check(&block.mean, &block.variance, name)?;
         }
-        Ok(Self { film, name })
+        let pixels = Cells { columns: film.width, mean: &film.mean, variance: &film.variance, freedom: f64::INFINITY };
+        let pixel_variance = match film.samples.max(film.replicates) {
+            0 => film.variance.clone(),
+            samples => pixels.across_borders(samples.into()),
+        };
+        Ok(Self { film, name, pixel_variance })
     }
 
     fn cells(&self, edge: u32) -> Result<Cells<'_>, CompareError> {
@@ -245,6 +254,11 @@ impl<'a> Side<'a> {
             edge => self.film.width.div_ceil(edge),
         };
         Ok(Cells { columns, mean, variance, freedom })
+    }
+
+    /// Pixels with the variance that borders of light ask for.
+    fn with_borders<'b>(&'b self, cells: Cells<'b>, edge: u32) -> Cells<'b> {
+        if edge == 1 { Cells { variance: &self.pixel_variance, ..cells } } else { cells }
     }
 
     fn correlation(&self, edge: u32, cells: f64) -> Correlation {
@@ -278,6 +292,7 @@ impl Level {
     fn new(a: &Side, b: &Side, edge: u32) -> Result<Self, CompareError> {
         let (of_a, of_b) = (a.cells(edge)?, b.cells(edge)?);
         let weights = of_a.weights().into_iter().zip(of_b.weights());
+        let (of_a, of_b) = (a.with_borders(of_a, edge), b.with_borders(of_b, edge));
         let test = |(index, ((a, b), (weight_a, weight_b))): (_, (_, (Option<f64>, Option<f64>)))| {
             let weights = [weight_a.or(weight_b), weight_b.or(weight_a)].map(|weight| weight.unwrap_or(0.0));
             test_cell(index, [a, b], weights, edge == 0)
@@ -337,13 +352,28 @@ impl Level {
         cells.get(cells.len() / 2).copied()
     }
 
-    /// By the largest deviate, in the cell of median noise.
+    /// By the largest deviate, in the cell of median noise. A cell that is picked by its error has one that is too small where
+    /// few paths bring light, so each film's error is that of the cells that the other film picks. Brighter light is noisier:
+    /// of the relative variances u and v of both films, d^2 = k^2 (u + (1 + d)^2 v) with k standard errors. None: no change is seen.
     fn smallest_change(&self, share: f64) -> Option<f64> {
         let each = match self.cells.len() {
             0 | 1 => share,
             count => tails::sidak(tails::sidak(share, 0.5), 1.0 / count as f64),
         };
-        self.median().map(|cell| cell.relative_error * tails::seen_in_90_percent(each, cell.freedom))
+        let first = self.about_median(Tested::of_second, Tested::of_first);
+        let second = self.about_median(Tested::of_first, Tested::of_second);
+        let k = tails::seen_in_90_percent(each, self.median()?.freedom);
+        let (u, v) = (k * k * first, k * k * second);
+        (v < 1.0).then(|| (v + (u + v - u * v).max(0.0).sqrt()) / (1.0 - v))
+    }
+
+    /// Mean of a number over the tenth of the cells that lie about the median of another.
+    fn about_median(&self, pick: impl Fn(&Tested) -> f64, number: impl Fn(&Tested) -> f64) -> f64 {
+        let mut cells: Vec<&Tested> = self.cells.iter().collect();
+        cells.sort_by(|a, b| pick(a).total_cmp(&pick(b)));
+        let (middle, reach) = (cells.len() / 2, cells.len() / 20);
+        let about = cells.get(middle - reach..=middle + reach).unwrap_or_default();
+        about.iter().map(|cell| number(cell)).sum::<f64>() / about.len().max(1) as f64
     }
 }
 

@@ -36,6 +36,8 @@ pub struct Film {
     pub variance: Vec<f32>,
     /// Independent replicates behind the variance (0: unknown).
     pub replicates: u32,
+    /// Camera paths behind each pixel (0: unknown, and there are no more than replicates).
+    pub samples: u32,
     /// Means over blocks of pixels and their variances, for the edges of [`blocks::EDGES`] in that order.
     /// Empty: unknown, and pixels count as independent.
     pub blocks: Vec<BlockLevel>,

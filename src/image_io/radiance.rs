@@ -155,6 +155,7 @@ pub fn read_radiance(path: &Path) -> std::result::Result<(Film, Option<Provenanc
         // What stands for pixels without light bounds what was missed there; replicates of nothing have no variance.
         let pixels = film.variance.iter_mut().zip(&film.mean);
         pixels.filter(|(_, mean)| **mean == 0.0).for_each(|(variance, _)| *variance = 0.0);
+        film.samples = provenance.spp;
         if let Some(reason) = fault(&film, &provenance) {
             return Err(damaged(reason));
         }

@@ -4,9 +4,13 @@ use super::model::Real;
 use crate::scene::{self, IesTable, LoadedScene, Mount, Pattern, Wall, read_ies};
 use crate::surface::SurfaceError;
 use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
 
 /// Cells of an intensity table along sin^2(theta) and along the azimuth.
 pub const TABLE_EDGE: usize = 64;
+
+/// Radiances of the brightest LED, W/(m^2 sr), whose images have variances within the range of f32, dim pixels included.
+const RADIANCES: RangeInclusive<f64> = 1e-9..=1e12;
 
 /// One LED.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,6 +84,12 @@ pub(super) fn leds(loaded: &LoadedScene) -> Result<Lit, SurfaceError> {
         powers.push(power);
     }
     let unit = leds.iter().map(|l: &Led<f64>| l.radiance).fold(0.0, f64::max);
+    if unit.is_finite() && !RADIANCES.contains(&unit) {
+        let (least, most) = (RADIANCES.start(), RADIANCES.end());
+        let message =
+            format!("the brightest has {unit:e} W/(m^2 sr): images hold what LEDs of {least:e} to {most:e} give");
+        return Err(SurfaceError::Shape { key: "led", message });
+    }
     let total: f64 = powers.iter().sum();
     let mut sum = 0.0;
     for (led, power) in leds.iter_mut().zip(&powers) {
@@ -321,6 +331,18 @@ mod tests {
         let model = model(&loaded, [3.0, -6.0]);
         assert_eq!(model.aimed_share, 1.0);
         assert!(miss(&model).abs() < 5e-3, "{}", miss(&model));
+    }
+
+    /// The square of 1e-20 is not in f32: errors were said to be 0.
+    #[test]
+    fn radiances_whose_variances_no_image_holds_are_refused() {
+        let mut loaded = crate::scene::preset("flat-bonded").unwrap();
+        for (radiance, fits) in [(1e-20, false), (1e-9, true), (1.0, true), (1e12, true), (1e22, false)] {
+            loaded.scene.led.iter_mut().for_each(|led| led.radiance_w_per_m2_sr = Some(radiance));
+            let found = leds(&loaded);
+            assert_eq!(found.is_ok(), fits, "{radiance}");
+            assert!(found.err().is_none_or(|error| error.to_string().contains("W/(m^2 sr)")));
+        }
     }
 
     #[test]

@@ -19,7 +19,7 @@ const LEAST_REPLICATES: u32 = 3;
 const BUDGET_TOLERANCE: f64 = 0.2;
 /// Most camera paths per pixel in a replicate: the film's sums hold 65,536 paths that each see the brightest LED.
 const REPLICATE_PATHS: u32 = 1 << 15;
-/// Photons of the ledger where the method sends none of its own or not all.
+/// Photons of the ledger where the method sends none of its own or not all, unless asked for fewer.
 const LEDGER_PHOTONS: u64 = 1 << 20;
 /// Camera paths to a photon where photons find only what unfolding leaves.
 const PATHS_TO_A_PHOTON: u64 = 8;
@@ -113,6 +113,8 @@ pub struct Outcome {
     pub paths: u64,
     /// Photons.
     pub photons: u64,
+    /// Photons of the ledger: those, or all that were traced for it.
+    pub ledger_photons: u64,
     /// How the photons' maps were smoothed, where there are any.
     pub smoothing: Option<Smoothing>,
     /// Segments of both, without those of a ledger traced on its own.
@@ -296,7 +298,12 @@ pub fn render_on(
     let Totals { segments, mut times, photons, .. } = batch.totals;
     if needs_ledger {
         let start = Instant::now();
-        batch.ledger(LEDGER_PHOTONS, &mut |_, _| observe(Stage { done: 1.0, what: "flux ledger" }))?;
+        let photons = match (settings.photons, batch.method) {
+            (None, _) => LEDGER_PHOTONS,
+            (Some(asked), Method::Path) => asked,
+            (Some(asked), Method::Map | Method::Splat) => asked.min(LEDGER_PHOTONS),
+        };
+        batch.ledger(photons, &mut |_, _| observe(Stage { done: 1.0, what: "flux ledger" }))?;
         times.ledger = start.elapsed().as_secs_f64();
     }
     let totals = batch.totals;
@@ -305,9 +312,9 @@ pub fn render_on(
         let spp = work.spp;
         format!("more than the {budget} s asked for: {index} images of {spp} paths per pixel took {seconds:.1} s")
     });
-    let film = sum.finish();
-    let mean_radiance = film.mean.iter().map(|&v| f64::from(v)).sum::<f64>() / film.mean.len() as f64;
     let spp = totals.paths / pixels;
+    let film = Film { samples: u32::try_from(spp).unwrap_or(u32::MAX), ..sum.finish() };
+    let mean_radiance = film.mean.iter().map(|&v| f64::from(v)).sum::<f64>() / film.mean.len() as f64;
     let blotches = blotches(plan.method, &film);
     Ok(Outcome {
         relative_error: relative_error(&film.mean, &film.variance),
@@ -319,7 +326,8 @@ pub fn render_on(
         adapter: batch.backend.adapter(),
         notice: late.into_iter().chain(blotches).reduce(|a, b| a + "; " + &b),
         paths: totals.paths,
-        photons: totals.photons,
+        photons,
+        ledger_photons: totals.photons,
         smoothing: gather.map(|gather| gather.smoothing),
         segments,
         spp,

@@ -77,7 +77,7 @@ fn gains_name_what_is_left_out_and_leave_the_image_as_it_is() {
     let dent = small("dent-cap").replace(cap, "{ kind = \"gaussian_dent\", depth_mm = 1.0, sigma_mm = 2.0 }");
     assert!(!dent.contains(cap));
     for (scene, pieces) in [(small("tsis-paper"), 8), (small("contact-disc"), 9), (dent, 9)] {
-        let scene = place.write("scene.toml", &(scene + "\n[render]\nphotons = 65536\n"));
+        let scene = place.write("scene.toml", &scene.replace("photons = 65536", "photons = 8192"));
         let output = tirtouch_in(place.path(), &["inspect", &scene, "--gains", "--rounds", "2", "--json", "--quiet"]);
         assert_eq!(code(&output), 0, "{output:?}");
         let seen = json(&output);

@@ -38,7 +38,8 @@ fn a_press_writes_its_files_and_says_its_figures() {
 fn a_run_presses_first_and_subtracts_its_baseline() {
     let place = Place::new();
     place.write("scene.toml", &scene("estimate_error = false"));
-    let flags = ["run", "scene.toml", "--subtract-baseline", "--spp", "16", "--json", "--quiet", "--backend", "cpu"];
+    let work = ["--spp", "16", "--photons", "4096", "--backend", "cpu"];
+    let flags = [&["run", "scene.toml", "--subtract-baseline", "--json", "--quiet"][..], &work].concat();
     let output = tirtouch_in(place.path(), &flags);
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
     let said = json(&output);

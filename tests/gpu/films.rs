@@ -38,7 +38,7 @@ pub fn film(mut backend: Backend, model: &Model<f64>, method: Method, seed: u32,
         sum.add(&replicate.unwrap()).unwrap();
     }
     assert_eq!((batch.totals.lost(), batch.totals.fates.lost), (0, 0));
-    sum.finish()
+    Film { samples: work.spp * REPLICATES, ..sum.finish() }
 }
 
 /// The maps of all replicates, smoothed as `render` does.
@@ -60,7 +60,7 @@ pub fn failed(found: &Comparison) -> String {
 fn against_f64(case: &Case, twin: &Case, method: Method, level: f64) -> Option<Comparison> {
     let adapter = require_gpu()?;
     let size = [48, 36];
-    let work = Work { spp: 4, photons: 1 << 14 };
+    let work = Work { spp: 2, photons: 1 << 13 };
     let (model, reference) = (case.model(size), twin.model(size));
     let a = film(gpu(adapter, &model), &model, method, 1, work);
     let b = film(f64_twin(&reference), &reference, method, 2, work);

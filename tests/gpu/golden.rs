@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tirtouch::film::{Comparison, Film, compare};
 use tirtouch::image_io::{Provenance, read_radiance, write_radiance};
-use tirtouch::scene::{Integrator, LoadedScene, load};
+use tirtouch::scene::{Integrator, LoadedScene, Scene, load};
 use tirtouch::trace::backend::CpuTracer;
 use tirtouch::trace::batch::Work;
 use tirtouch::trace::gpu::{Gpu, GpuTracer};
@@ -205,6 +205,21 @@ fn an_index_off_by_0_005_turns_the_dent_red() {
     let n = &mut loaded.scene.stack.layer[0].n;
     *n = n.map(|n| n + 0.005);
     assert!(!judge(golden, &golden.fresh(&loaded, |model| gpu(adapter, model))).passed);
+}
+
+#[test]
+fn a_shallower_press_and_brighter_tissue_turn_the_press_red() {
+    let golden = Golden::named("pressed");
+    let faults: [fn(&mut Scene); 2] = [
+        |scene| scene.press.iter_mut().flat_map(|press| &mut press.depths_mm).flatten().for_each(|depth| *depth *= 0.9),
+        |scene| scene.touch.contact.iter_mut().for_each(|contact| contact.tissue.diffuse_reflectance = Some(0.77)),
+    ];
+    for (k, fault) in faults.into_iter().enumerate() {
+        let Some(adapter) = require_gpu() else { return };
+        let mut loaded = golden.scene();
+        fault(&mut loaded.scene);
+        assert!(!judge(golden, &golden.fresh(&loaded, |model| gpu(adapter, model))).passed, "fault {k}");
+    }
 }
 
 /// An unpolarised tracer takes the mean of both polarisations: to mistake one for the other is to take one twice.

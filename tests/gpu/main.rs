@@ -11,9 +11,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod adapter;
+mod alarms;
 mod device;
 mod extremes;
 mod fates;
+mod figures;
 mod films;
 mod golden;
 mod lamps;

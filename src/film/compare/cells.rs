@@ -31,6 +31,26 @@ impl Cells<'_> {
         pairs.map(move |(&mean, &variance)| Cell { mean: mean.into(), variance: variance.into(), freedom })
     }
 
+    /// Variances of pixels that few samples may have taken for even. Of n samples of a pixel that a border crosses all may fall on one
+    /// side; what lies beyond has then at most 3/n of it in 95 of 100 cases (the rule of three) and is as bright as a neighbour
+    /// at most. A number of that share has the variance 3 d^2 / n^2 where the neighbour differs by d, its noise taken off.
+    pub fn across_borders(&self, samples: f64) -> Vec<f32> {
+        let columns = self.columns.max(1) as usize;
+        let at = |column: usize, row: usize| {
+            let index = row.checked_mul(columns)? + column;
+            let inside = column < columns;
+            Some((f64::from(*self.mean.get(index).filter(|_| inside)?), f64::from(*self.variance.get(index)?)))
+        };
+        let pixel = |(index, (&mean, &variance)): (usize, (&f32, &f32))| {
+            let (column, row) = (index % columns, index / columns);
+            let around = (0..9).filter_map(|k| at((column + k % 3).checked_sub(1)?, (row + k / 3).checked_sub(1)?));
+            let beyond = around.map(|(other, noise)| (other - f64::from(mean)).powi(2) - noise - f64::from(variance));
+            let floor = 3.0 / (samples * samples) * beyond.fold(0.0, f64::max);
+            variance.max(floor as f32)
+        };
+        self.mean.iter().zip(self.variance).enumerate().map(pixel).collect()
+    }
+
     /// The cells that vary and have light enough to be tested, by this film alone.
     pub fn lit(&self) -> Vec<usize> {
         let weights = self.weights();
@@ -99,6 +119,18 @@ pub(super) struct Tested {
     pub relative_error: f64,
     /// Degrees of freedom of the difference.
     pub freedom: f64,
+}
+
+impl Tested {
+    /// Relative variance that the first film adds.
+    pub fn of_first(&self) -> f64 {
+        self.share * self.relative_error.powi(2)
+    }
+
+    /// Relative variance that the second film adds.
+    pub fn of_second(&self) -> f64 {
+        (1.0 - self.share) * self.relative_error.powi(2)
+    }
 }
 
 /// Tests a cell's difference; none where it is dark in both films or has too little light.
