@@ -203,8 +203,9 @@ fn judge(a: &Film, b: &Film, level: f64, paired: Option<Paired>) -> Result<Compa
 struct Side<'a> {
     film: Cow<'a, Film>,
     name: &'static str,
-    /// Variances of its pixels, those at borders of light included.
-    pixel_variance: Vec<f32>,
+    /// Samples a pixel, and the least variances that borders of light leave to pixels; none where nothing is known of them.
+    samples: f64,
+    borders: Vec<f32>,
 }
 
 impl<'a> Side<'a> {
@@ -224,12 +225,16 @@ impl<'a> Side<'a> {
         for block in &film.blocks {
             check(&block.mean, &block.variance, name)?;
         }
-        let pixels = Cells { columns: film.width, mean: &film.mean, variance: &film.variance, freedom: f64::INFINITY };
-        let pixel_variance = match film.samples.max(film.replicates) {
-            0 => film.variance.clone(),
-            samples => pixels.across_borders(samples.into()),
+        let samples = f64::from(film.samples.max(film.replicates));
+        let pixels = Cells {
+            columns: film.width,
+            mean: &film.mean,
+            variance: &film.variance,
+            freedom: f64::INFINITY,
+            least: &[],
         };
-        Ok(Self { film, name, pixel_variance })
+        let borders = if samples > 0.0 { pixels.across_borders(samples) } else { Vec::new() };
+        Ok(Self { film, name, samples, borders })
     }
 
     fn cells(&self, edge: u32) -> Result<Cells<'_>, CompareError> {
@@ -253,12 +258,12 @@ impl<'a> Side<'a> {
             0 => 1,
             edge => self.film.width.div_ceil(edge),
         };
-        Ok(Cells { columns, mean, variance, freedom })
+        Ok(Cells { columns, mean, variance, freedom, least: &[] })
     }
 
-    /// Pixels with the variance that borders of light ask for.
+    /// Pixels with the least variance that borders of light leave.
     fn with_borders<'b>(&'b self, cells: Cells<'b>, edge: u32) -> Cells<'b> {
-        if edge == 1 { Cells { variance: &self.pixel_variance, ..cells } } else { cells }
+        if edge == 1 { Cells { least: &self.borders, ..cells } } else { cells }
     }
 
     fn correlation(&self, edge: u32, cells: f64) -> Correlation {
@@ -284,6 +289,8 @@ fn check(means: &[f32], variances: &[f32], film: &'static str) -> Result<(), Com
 /// The tested cells of one level, and how much they move together.
 struct Level {
     edge: u32,
+    /// Variance that a change of a single cell brings by itself, over its square: it looks like a border.
+    border: f64,
     cells: Vec<Tested>,
     correlation: Correlation,
 }
@@ -301,7 +308,8 @@ impl Level {
         let count = cells.len() as f64;
         let share = cells.iter().map(|cell| cell.share).sum::<f64>() / count.max(1.0);
         let correlation = a.correlation(edge, count).of_difference(b.correlation(edge, count), share).of_cells(count);
-        Ok(Self { edge, cells, correlation })
+        let border = if edge == 1 && b.samples > 0.0 { cells::border(b.samples) } else { 0.0 };
+        Ok(Self { edge, border, cells, correlation })
     }
 
     fn test(&self, share: f64) -> LevelTest {
@@ -354,7 +362,8 @@ impl Level {
 
     /// By the largest deviate, in the cell of median noise. A cell that is picked by its error has one that is too small where
     /// few paths bring light, so each film's error is that of the cells that the other film picks. Brighter light is noisier:
-    /// of the relative variances u and v of both films, d^2 = k^2 (u + (1 + d)^2 v) with k standard errors. None: no change is seen.
+    /// of the relative variances u and v of both films, d^2 = k^2 (u + (1 + d)^2 v + b d^2) with k standard errors and b for the
+    /// border that it looks like. None: no change is seen.
     fn smallest_change(&self, share: f64) -> Option<f64> {
         let each = match self.cells.len() {
             0 | 1 => share,
@@ -364,7 +373,8 @@ impl Level {
         let second = self.about_median(Tested::of_first, Tested::of_second);
         let k = tails::seen_in_90_percent(each, self.median()?.freedom);
         let (u, v) = (k * k * first, k * k * second);
-        (v < 1.0).then(|| (v + (u + v - u * v).max(0.0).sqrt()) / (1.0 - v))
+        let left = 1.0 - v - k * k * self.border;
+        (left > 0.0).then(|| (v + (v * v + left * (u + v)).sqrt()) / left)
     }
 
     /// Mean of a number over the tenth of the cells that lie about the median of another.

@@ -88,7 +88,7 @@ impl Film {
             Some(level) => (&level.mean, &level.variance),
             None => (&self.mean, &self.variance),
         };
-        let cells = Cells { columns: grid.columns, mean, variance, freedom: f64::INFINITY };
+        let cells = Cells { columns: grid.columns, mean, variance, freedom: f64::INFINITY, least: &[] };
         let lit = cells.lit();
         let replicates: f64 = self.groups.iter().map(|group| f64::from(group.replicates)).sum();
         let mut noise: Vec<Vec<f64>> = Vec::new();

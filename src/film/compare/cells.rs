@@ -14,6 +14,8 @@ pub(in crate::film) struct Cells<'a> {
     pub variance: &'a [f32],
     /// Degrees of freedom of every variance.
     pub freedom: f64,
+    /// Least variance of each cell, known without replicates; empty: 0.
+    pub least: &'a [f32],
 }
 
 /// One cell of one film.
@@ -26,14 +28,17 @@ pub(in crate::film) struct Cell {
 
 impl Cells<'_> {
     pub fn iter(&self) -> impl Iterator<Item = Cell> {
-        let pairs = self.mean.iter().zip(self.variance);
+        let least = self.least.iter().copied().chain(std::iter::repeat(0.0));
         let freedom = self.freedom;
-        pairs.map(move |(&mean, &variance)| Cell { mean: mean.into(), variance: variance.into(), freedom })
+        self.mean.iter().zip(self.variance).zip(least).map(move |((&mean, &variance), least)| match variance < least {
+            true => Cell { mean: mean.into(), variance: least.into(), freedom: f64::INFINITY },
+            false => Cell { mean: mean.into(), variance: variance.into(), freedom },
+        })
     }
 
-    /// Variances of pixels that few samples may have taken for even. Of n samples of a pixel that a border crosses all may fall on one
-    /// side; what lies beyond has then at most 3/n of it in 95 of 100 cases (the rule of three) and is as bright as a neighbour
-    /// at most. A number of that share has the variance 3 d^2 / n^2 where the neighbour differs by d, its noise taken off.
+    /// Least variances of pixels that few samples may have taken for even. Of n samples of a pixel that a border crosses all may
+    /// fall on one side; what lies beyond has then at most 3/n of it in 95 of 100 cases (the rule of three) and is as bright as a
+    /// neighbour at most. A number of that share has the variance 3 d^2 / n^2 where the neighbour differs by d, its noise taken off.
     pub fn across_borders(&self, samples: f64) -> Vec<f32> {
         let columns = self.columns.max(1) as usize;
         let at = |column: usize, row: usize| {
@@ -45,8 +50,7 @@ impl Cells<'_> {
             let (column, row) = (index % columns, index / columns);
             let around = (0..9).filter_map(|k| at((column + k % 3).checked_sub(1)?, (row + k / 3).checked_sub(1)?));
             let beyond = around.map(|(other, noise)| (other - f64::from(mean)).powi(2) - noise - f64::from(variance));
-            let floor = 3.0 / (samples * samples) * beyond.fold(0.0, f64::max);
-            variance.max(floor as f32)
+            (border(samples) * beyond.fold(0.0, f64::max)) as f32
         };
         self.mean.iter().zip(self.variance).enumerate().map(pixel).collect()
     }
@@ -81,6 +85,11 @@ impl Cells<'_> {
         let weight = |index| sums.get(tiles.of(index)).copied().and_then(of).or(whole);
         (0..self.mean.len()).map(weight).collect()
     }
+}
+
+/// Variance that a border may leave, over the square of the step of light across it.
+pub(super) fn border(samples: f64) -> f64 {
+    3.0 / (samples * samples)
 }
 
 /// Neighbourhoods of at least [`TILE`] by [`TILE`] cells, or all there are.
