@@ -1,12 +1,20 @@
 #!/usr/bin/env python3
-"""Dents as closed forms and as meshes of 256 to 1,024 cells, by tirtouch and by Mitsuba 3: does it all meet?
+"""Dents as closed forms and as meshes, by tirtouch and by Mitsuba 3: does it all meet?
 
-    DRJIT_LIBLLVM_PATH=... peer-venv/bin/python meshes.py --rounds 8 --mitsuba-rounds 8
+    DRJIT_LIBLLVM_PATH=... peer-venv/bin/python meshes.py
 
-Each dent of `DENTS` lies in the touched face of `dent-cap`, inner interfaces flat; the camera's view is narrowed to the dent, beyond
-which a mesh changes little. tirtouch traces the closed form (a height field for a Gaussian) and meshes with flat and with
-interpolated normals, round by round by the same random numbers, so that a mesh's difference to the closed form is known better than
-either (1,024 cells need a buffer of 201 MB, more than a device allows by default: the twin in f32 traces them); Mitsuba traces the flat meshes, the same triangles. Errors are the spread of the rounds. Writes meshes.json and meshes.md.
+Each dent of `DENTS` lies in the touched face of `dent-cap`, inner interfaces flat. The view is narrowed to the dent and
+the LEDs are widened to 10 mm: of 3 mm they light 2 % of the pixels, and their images are a few facets wide.
+
+- grid: squares of the footprint over `--cells`, two triangles each. Beyond the dent one cell reaches to the border. No
+  line follows the rim of the cap, so that a ring a cell wide (two with interpolated normals) has slopes that the cap
+  has nowhere: an error of the first order. A Gaussian has no rim: the second.
+- rings: `--rings` of them about the axis, twice as many sectors, with the rim's vertices twice (see `smooth_face`).
+
+tirtouch traces closed forms (height fields for Gaussians), in four times the rounds, and meshes, on the CPU, where
+trees are searched faster; equal seeds would gain nothing, as a mesh's facets scatter its error. Mitsuba traces the same
+triangles of the coarsest grid, with the same normals. Errors are the spread of the rounds. The grids' limit, the finest
+rings and Mitsuba meet if they are off by at most 0.3 % with an error below 0.1 %. Writes meshes.json and meshes.md.
 """
 
 import argparse
@@ -24,52 +32,71 @@ import compare  # noqa: E402 (needs the variant)
 import mitsuba_scene as peer  # noqa: E402
 
 PIXELS = 96
-# Two triangles of 96 bytes a cell, in the 128 MiB that a binding holds by default.
-MOST_CELLS_ON_GPU = 836
+MOST_OFF, MOST_ERROR = 0.3, 0.1  # per cent
 DENTS = {
     "cap": {"kind": "spherical_dent", "depth_mm": 1.5, "radius_mm": 6.0},
-    "gaussian-narrow": {"kind": "gaussian_dent", "depth_mm": 1.0, "sigma_mm": 1.25},
-    "gaussian-wide": {"kind": "gaussian_dent", "depth_mm": 1.5, "sigma_mm": 2.0},
+    "gaussian-narrow": {"kind": "gaussian_dent", "depth_mm": 1.5, "sigma_mm": 1.25},
+    "gaussian-wide": {"kind": "gaussian_dent", "depth_mm": 1.9, "sigma_mm": 2.0},
 }
 
 
-def scene_of(name, scenes):
+def scene_of(name, arguments):
     """`dent-cap` with this dent, seen by a square image that just holds it."""
-    scene = peer.load(scenes / "dent-cap.toml")
+    scene = peer.load(arguments.scenes / "dent-cap.toml")
     shape = DENTS[name]
     reach = shape.get("radius_mm", 3.0 * shape.get("sigma_mm", 0.0))
     stack, camera = peer.Stack(scene), scene["camera"]
     depths = np.diff(stack.heights_mm)
     away = camera["distance_mm"] + sum(d / n for d, n in zip(depths, stack.indices[1:-1]))
     camera |= {"pixels": [PIXELS, PIXELS], "view_angle_deg": 2 * math.degrees(math.atan(1.1 * reach / away))}
-    return {**scene, "name": name, "touch": {"shape": shape, "inner": "flat"}}
+    leds = [{**led, "diameter_mm": arguments.led_mm} for led in scene["led"]]
+    return {**scene, "name": name, "led": leds, "touch": {"shape": shape, "inner": "flat"}}
 
 
-def meshed(scene, cells, normals, work):
+def triangles(scene, kind, count):
+    """Vertices and triangles of the dented face."""
+    stack, dent = peer.Stack(scene), peer.dent(scene)
+    if kind == "rings":
+        return peer.smooth_face(stack, stack.top_mm, dent, count)
+    return peer.grid_face(stack, stack.top_mm, dent, count, 1.1 * dent.reach_mm)
+
+
+def vertex_normals(vertices, faces):
+    """Upward unit normals at the vertices: means over the facets, weighted by area."""
+    vertices = vertices.astype(np.float32).astype(float)
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    facets, sums = np.cross(b - a, c - a), np.zeros_like(vertices)
+    for k in range(3):
+        np.add.at(sums, faces[:, k], facets)
+    return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-30)
+
+
+def meshed(scene, kind, count, normals, work):
     """The same scene with the dent as triangles."""
-    stack, file = peer.Stack(scene), f"{scene['name']}-{cells}.obj"
+    file = f"{scene['name']}-{kind}-{count}.obj"
     if not (work / file).exists():
-        peer.write_obj(work / file, *peer.grid_face(stack, stack.top_mm, peer.dent(scene), cells))
+        peer.write_obj(work / file, *triangles(scene, kind, count))
     shape = {"kind": "mesh", "file": file, "normals": normals}
-    return {**scene, "name": f"{scene['name']}-{cells}-{normals}", "touch": {"shape": shape, "inner": "flat"}}
+    return {**scene, "name": f"{scene['name']}-{kind}-{count}-{normals}", "touch": {"shape": shape, "inner": "flat"}}
 
 
-def ours(scene, rounds, arguments, work, backend=None):
+def ours(scene, rounds, arguments, work, *how):
     """Mean of each round's image."""
     path, means = compare._write_scene(scene, work), []
     for seed in range(1, rounds + 1):
         command = [arguments.tirtouch, "render", path, "--json", "--quiet", "--seed", seed, "--spp", arguments.spp,
-                   "--integrator", "path", "--backend", backend or arguments.backend, "--out", work / "out", "--force"]
+                   "--integrator", "path", "--out", work / "out", "--force", *how]
         means.append(json.loads(compare._tirtouch(command).stdout)["mean_radiance"])
-        print(scene["name"], seed, means[-1], flush=True)
+    print(scene["name"], *how, means, flush=True)
     return np.array(means)
 
 
-def theirs(scene, cells, rounds, spp):
-    loaded, means = peer.build(scene, spp, grid_cells=cells), []
-    for seed in range(1, rounds + 1):
-        means.append(peer.render(loaded, spp, seed).mean())
-        print("mitsuba", scene["name"], cells, seed, means[-1], flush=True)
+def theirs(scene, mesh, arguments):
+    """Mean of each of Mitsuba's images of this mesh."""
+    loaded, means = peer.build(scene, arguments.mitsuba_spp, touched=mesh), []
+    for seed in range(1, arguments.mitsuba_rounds + 1):
+        means.append(peer.render(loaded, arguments.mitsuba_spp, seed).mean())
+    print("mitsuba", scene["name"], means, flush=True)
     return np.array(means)
 
 
@@ -77,29 +104,65 @@ def mean_error(values):
     return float(values.mean()), float(values.std(ddof=1) / math.sqrt(len(values)))
 
 
+def row(what, found, reference, judged=True):
+    """Mean radiance and its error; difference to a reference and its error in per cent; whether that meets."""
+    off = 100 * (found[0] / reference[0] - 1)
+    error = 100 * math.hypot(found[1] / found[0], reference[1] / reference[0])
+    meets = abs(off) <= MOST_OFF and error < MOST_ERROR if judged else None
+    return {"surface": what, "mean": found, "off_%": off, "error_%": error, "meets": meets}
+
+
+def extrapolated(cells, found, order):
+    """Mean at no width with its error, and chi square, of a + b / cells^order (three grids: one degree of freedom)."""
+    means, errors = np.array(found).T
+    design = np.stack([np.ones(len(cells)), np.array(cells, float) ** -order], 1) / errors[:, None]
+    inverse = np.linalg.inv(design.T @ design)
+    fit = inverse @ design.T @ (means / errors)
+    chi_square = float(((design @ fit - means / errors) ** 2).sum())
+    return (float(fit[0]), float(math.sqrt(inverse[0, 0]))), chi_square
+
+
 def study(name, arguments, work):
-    """All rows of one dent: what, mean, its error, difference to the closed form in per cent, its error."""
-    scene = scene_of(name, arguments.scenes)
-    exact = ours(scene, arguments.rounds, arguments, work)
-    rows, middle = [("closed form", *mean_error(exact), 0.0, 0.0)], exact.mean()
+    """All rows of one dent."""
+    scene = scene_of(name, arguments)
+    exact = mean_error(ours(scene, 4 * arguments.rounds, arguments, work))
+    rows, coarse = [{"surface": "closed form", "mean": exact}], arguments.cells[0]
     for normals in ("flat", "smooth"):
-        for cells in arguments.cells:
-            backend = "cpu" if cells > MOST_CELLS_ON_GPU else None
-            found = ours(meshed(scene, cells, normals, work), arguments.rounds, arguments, work, backend)
-            off, error = mean_error(found - exact)
-            rows.append((f"{cells} cells, {normals}", *mean_error(found), 100 * off / middle, 100 * error / middle))
-    for cells in arguments.mitsuba_cells:
-        found = mean_error(theirs(scene, cells, arguments.mitsuba_rounds, arguments.mitsuba_spp))
-        error = math.hypot(found[1], rows[0][2]) / middle
-        rows.append((f"{cells} cells, flat, Mitsuba", *found, 100 * (found[0] / middle - 1), 100 * error))
+        grids = []
+        for kind, count in [("grid", n) for n in arguments.cells] + [("rings", n) for n in arguments.rings]:
+            mesh = meshed(scene, kind, count, normals, work)
+            means = ours(mesh, arguments.rounds, arguments, work, "--backend", "cpu")
+            finest = (kind, count) == ("rings", arguments.rings[-1])
+            rows.append(row(f"{kind} {count}, {normals}", mean_error(means), exact, finest))
+            if kind == "grid":
+                grids.append(mean_error(means))
+            if (kind, count) == ("grid", coarse):
+                first = means[0]
+        order = 1 if "radius_mm" in DENTS[name] else 2
+        limit, chi_square = extrapolated(arguments.cells, grids, order)
+        rows.append(row(f"grid, {normals}, to no width", limit, exact) | {"order": order, "chi_square": chi_square})
+        if normals in arguments.mitsuba_normals:
+            vertices, faces = triangles(scene, "grid", coarse)
+            given = (vertices, faces, vertex_normals(vertices, faces) if normals == "smooth" else None)
+            peers = mean_error(theirs(scene, given, arguments))
+            rows.append(row(f"grid {coarse}, {normals}: Mitsuba over tirtouch", peers, grids[0]))
+    mesh = meshed(scene, "grid", coarse, "smooth", work)
+    for what, how in (("f64", ("--backend", "cpu", "--precision", "f64")), ("GPU", ("--backend", "gpu"))):
+        off = 100 * (float(ours(mesh, 1, arguments, work, *how)[0] / first) - 1)
+        rows.append({"surface": f"grid {coarse}, smooth: {what} over f32, same paths", "off_%": off})
     return rows
 
 
 def table(name, rows):
-    lines = [f"{name}: {json.dumps(DENTS[name])}", "", "| surface | mean radiance | off the closed form |", "|---|---|---|"]
-    for what, mean, error, off, off_error in rows:
-        share = "-" if what == "closed form" else f"{off:+.2f} ± {off_error:.2f} %"
-        lines.append(f"| {what} | {mean:.4e} ± {error:.1e} | {share} |")
+    lines = [f"{name}: {json.dumps(DENTS[name])}", ""]
+    lines += ["| surface | mean radiance | off by | meets |", "|---|---|---|---|"]
+    for r in rows:
+        mean = "{:.4e} ± {:.1e}".format(*r["mean"]) if "mean" in r else ""
+        off = f"{r['off_%']:+.0e} %" if "off_%" in r else ""
+        if "error_%" in r:
+            off = f"{r['off_%']:+.2f} ± {r['error_%']:.2f} %"
+        verdict = {None: "", True: "yes", False: "**no**"}[r.get("meets")]
+        lines.append(f"| {r['surface']} | {mean} | {off} | {verdict} |")
     return "\n".join(lines) + "\n"
 
 
@@ -108,17 +171,20 @@ def main():
     parser.add_argument("--tirtouch", type=Path, default=compare.ROOT / "target/release/tirtouch")
     parser.add_argument("--scenes", type=Path, default=compare.ROOT / "scenes")
     parser.add_argument("--dent", action="append", choices=DENTS, help="only this dent; may be repeated")
+    parser.add_argument("--led-mm", type=float, default=10.0, help="diameter of the LEDs")
     parser.add_argument("--cells", type=int, nargs="+", default=[256, 512, 1024])
-    parser.add_argument("--mitsuba-cells", type=int, nargs="*", default=[256, 1024])
+    parser.add_argument("--rings", type=int, nargs="+", default=[128, 256])
     parser.add_argument("--rounds", type=int, default=8)
-    parser.add_argument("--mitsuba-rounds", type=int, default=8)
-    parser.add_argument("--spp", type=int, default=512)
+    parser.add_argument("--spp", type=int, default=32)
+    parser.add_argument("--mitsuba-rounds", type=int, default=20)
     parser.add_argument("--mitsuba-spp", type=int, default=2048)
-    parser.add_argument("--backend", default="auto")
+    parser.add_argument("--mitsuba-normals", nargs="*", default=["flat", "smooth"], choices=["flat", "smooth"])
     parser.add_argument("--out", type=Path, default=compare.HERE / "results")
     arguments = parser.parse_args()
-    if min(arguments.rounds, arguments.mitsuba_rounds) < 4:
-        parser.error("--rounds and --mitsuba-rounds: at least 4, errors are the spread of the rounds")
+    if min(arguments.rounds, arguments.mitsuba_rounds) < 8:
+        parser.error("--rounds and --mitsuba-rounds: at least 8, errors are the spread of the rounds")
+    if len(arguments.cells) < 3:
+        parser.error("--cells: at least 3, the fit has two unknowns")
     arguments.out.mkdir(parents=True, exist_ok=True)
     results, text = {}, ""
     with tempfile.TemporaryDirectory() as work:

@@ -64,6 +64,8 @@ class Dent:
     def __init__(self, shape):
         self.depth, self.center = shape["depth_mm"], shape.get("center_mm", [0.0, 0.0])
         self.rim, self.sigma = shape.get("radius_mm"), shape.get("sigma_mm")
+        # Where the face is flat: slopes of a Gaussian are below 2e-6 of its depth over its width there.
+        self.reach_mm = self.rim or 5.5 * self.sigma
 
     def down(self, r2):
         """How far (mm) the touched face sinks at squared distance r2 (mm^2) from the axis."""
@@ -111,24 +113,30 @@ def _sink(stack, height_mm, cap, r2):
     return down * (height_mm - stack.rigid_mm) / (stack.top_mm - stack.rigid_mm)
 
 
-def grid_face(stack, height_mm, cap, cells):
-    """Vertices (mm) and triangles of a dented face over a grid of `cells` squares a side."""
-    columns = np.linspace(-stack.half_mm[0], stack.half_mm[0], cells + 1)
-    rows = np.linspace(-stack.half_mm[1], stack.half_mm[1], cells + 1)
-    x, y = np.meshgrid(columns, rows)
+def grid_face(stack, height_mm, cap, cells, beyond=math.inf):
+    """Vertices (mm) and triangles of a dented face over a grid of `cells` squares a side.
+
+    Lines further than `beyond` (mm) from the dent's centre are left out, but for the borders.
+    """
+    def lines(axis):
+        half = stack.half_mm[axis]
+        every = np.linspace(-half, half, cells + 1)
+        return every[(abs(every - cap.center[axis]) < beyond) | (abs(every) == half)]
+
+    x, y = np.meshgrid(lines(0), lines(1))
     center = cap.center
     z = height_mm - _sink(stack, height_mm, cap, (x - center[0]) ** 2 + (y - center[1]) ** 2)
-    i = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
+    i = np.arange(x.size).reshape(x.shape)
     return np.stack([x, y, z], -1).reshape(-1, 3), _two_triangles_each(i)
 
 
 def smooth_face(stack, height_mm, cap, rings=512):
     """Vertices (mm) and triangles of a dented face in rings about its axis.
 
-    Fine where the face is curved, one ring of long triangles where it is flat, with vertices on the rim: a grid smears
-    the rim over its cells and changes the image's mean by 1.5 % at 256 cells.
+    Fine where the face is curved, one ring of long triangles where it is flat. The rim has its vertices twice, one for
+    each side, so that no normal is a mean over the crease: a grid smears the rim over its cells (meshes.py).
     """
-    radius, center = cap.rim, cap.center
+    radius, center = cap.reach_mm, cap.center
     corners = [math.atan2(y - center[1], x - center[0]) for x in (-stack.half_mm[0], stack.half_mm[0])
                for y in (-stack.half_mm[1], stack.half_mm[1])]
     angle = np.unique(np.concatenate([np.linspace(-math.pi, math.pi, 2 * rings, endpoint=False), corners]))
@@ -136,16 +144,17 @@ def smooth_face(stack, height_mm, cap, rings=512):
     with np.errstate(divide="ignore"):
         border = np.minimum((np.copysign(stack.half_mm[0], across) - center[0]) / across,
                             (np.copysign(stack.half_mm[1], along) - center[1]) / along)
-    r = np.concatenate([np.outer(np.linspace(0.0, radius, rings + 1), np.ones_like(angle)), border[None, :]])
+    inside = np.outer(np.linspace(0.0, radius, rings + 1), np.ones_like(angle))
+    r = np.concatenate([inside, inside[-1:], border[None, :]])
     x, y = center[0] + r * across, center[1] + r * along
     z = height_mm - _sink(stack, height_mm, cap, r**2)
     i = np.arange(r.size).reshape(r.shape)
     i = np.concatenate([i, i[:, :1]], axis=1)
     faces = _two_triangles_each(i.T)
-    inner = np.concatenate([i[0, :-1], i[0, 1:]])
-    # The first ring is a point: of its squares only one triangle is left.
-    flat = np.isin(faces, inner).sum(1) > 1
-    return np.stack([x, y, z], -1).reshape(-1, 3), faces[~flat]
+    # The first ring is a point: of its squares only one triangle is left. Between the two rims there is nothing.
+    ring = np.sort(faces // len(angle), axis=1)
+    point, crease = ring[:, 1] == 0, (ring[:, 0] == rings) & (ring[:, 2] == rings + 1)
+    return np.stack([x, y, z], -1).reshape(-1, 3), faces[~(point | crease)]
 
 
 def _two_triangles_each(i):
@@ -163,9 +172,10 @@ def write_obj(path, vertices, faces):
             file.write(f"f {a} {b} {c}\n")
 
 
-def build(scene, spp, grid_cells=None, max_depth=256, pressed=None):
+def build(scene, spp, grid_cells=None, max_depth=256, pressed=None, touched=None):
     """The loaded Mitsuba scene. A dented face is a grid of that many squares a side, or smooth (see `smooth_face`); the
-    interfaces of a press are `pressed` (see pressed_scene.py)."""
+    touched one may be given as vertices, triangles and, to be interpolated, normals; the interfaces of a press are
+    `pressed` (see pressed_scene.py)."""
     transform = mi.ScalarTransform4f
     stack = Stack(scene)
     view = _view(scene)
@@ -200,7 +210,7 @@ def build(scene, spp, grid_cells=None, max_depth=256, pressed=None):
         moves = z == stack.top_mm or (inner_follows and z > stack.rigid_mm)
         if cap and moves:
             mesh = grid_face(stack, z, cap, grid_cells) if grid_cells else smooth_face(stack, z, cap)
-            parts[f"face{i}"] = _mesh(bsdf, *mesh)
+            parts[f"face{i}"] = _mesh(bsdf, *(touched if touched and z == stack.top_mm else mesh))
         else:
             scale = transform().translate([0, 0, z]).scale([*stack.half_mm, 1])
             parts[f"face{i}"] = {"type": "rectangle", "to_world": scale, "bsdf": bsdf}
@@ -221,11 +231,13 @@ def _view(scene):
     return camera
 
 
-def _mesh(bsdf, vertices, faces):
+def _mesh(bsdf, vertices, faces, normals=None):
     props = mi.Properties()
     props["bsdf"] = mi.load_dict(bsdf)
-    mesh = mi.Mesh("face", len(vertices), len(faces), props=props)
+    mesh = mi.Mesh("face", len(vertices), len(faces), props=props, has_vertex_normals=normals is not None)
     parameters = mi.traverse(mesh)
+    if normals is not None:
+        parameters["vertex_normals"] = normals.reshape(-1).astype(np.float32)
     parameters["vertex_positions"] = vertices.reshape(-1).astype(np.float32)
     parameters["faces"] = faces.reshape(-1).astype(np.uint32)
     parameters.update()

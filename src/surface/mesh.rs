@@ -95,6 +95,17 @@ impl Mesh {
     }
 }
 
+impl Mesh {
+    /// Largest slope of a facet, mm/mm; infinite where one stands upright.
+    pub fn steepest(&self) -> f64 {
+        let slope = |c: &[[f64; 3]; 3]| {
+            let facet = cross(sub(c[1], c[0]), sub(c[2], c[0]));
+            facet[0].hypot(facet[1]) / facet[2]
+        };
+        self.corners.iter().map(slope).fold(0.0, f64::max)
+    }
+}
+
 fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }

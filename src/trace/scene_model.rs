@@ -152,7 +152,8 @@ fn faces(
                 Surface::Cap { cap, .. } => face.slope = (share * cap.steepest() * (1.0 + 1e-5)).min(UNBOUNDED),
                 Surface::Mesh(mesh) if share != 0.0 => {
                     (face.low, face.high) = (mesh.low_mm - z, mesh.high_mm - z);
-                    face.slope = UNBOUNDED;
+                    // No facet is met from above by a ray that rises faster than all of them, whatever the mesh.
+                    face.slope = (mesh.steepest() * (1.0 + 1e-5)).min(UNBOUNDED);
                 }
                 _ => {}
             }

@@ -16,5 +16,6 @@ mod furnace;
 mod ledger;
 mod leds;
 mod lens;
+mod meshes;
 mod rough;
 mod tissue;

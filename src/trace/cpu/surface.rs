@@ -272,7 +272,7 @@ fn box_distance<T: Real>(low: [f32; 3], high: [f32; 3], o: V3<T>, inv: V3<T>, t_
 mod tests {
     use super::*;
     use crate::scene::Shape as Touch;
-    use crate::surface::{HeightField, Surface, surface};
+    use crate::surface::{HeightField, Mesh, Surface, surface};
     use crate::trace::Model;
     use crate::trace::cpu::Limits;
 
@@ -305,7 +305,14 @@ mod tests {
         let field = HeightField::sample(129, [30.0; 2], |x, y| -(-(x * x + 2.0 * y * y) / 8.0).exp());
         let mut fields = vec![None; loaded.scene.stack.layer.len()];
         fields.push(field);
-        for surface in [cap, profile, Surface::Fields(fields)] {
+        let corner = |k: u32| f64::from(k) * 30.0 / 64.0 - 15.0;
+        let height = |[x, y]: [f64; 2]| 12.0 - (-(x * x + 2.0 * y * y) / 8.0).exp();
+        let at = |k: u32| [corner(k % 65), corner(k / 65)];
+        let vertices: Vec<_> = (0..65 * 65).map(|k| [at(k)[0], at(k)[1], height(at(k))]).collect();
+        let cells = (0..64 * 64).map(|k: u32| k / 64 * 65 + k % 64);
+        let triangles: Vec<_> = cells.flat_map(|k| [[k, k + 1, k + 66], [k, k + 66, k + 65]]).collect();
+        let mesh = Mesh::build(&vertices, &triangles, true).unwrap();
+        for surface in [cap, profile, Surface::Fields(fields), Surface::Mesh(mesh)] {
             let model = Model::new(&loaded, &surface, None).unwrap();
             assert_eq!(returned(&model, 1.0), 0, "{}", surface.name());
             assert!(returned(&model, 0.5) > 100, "{}: {}", surface.name(), returned(&model, 0.5));
