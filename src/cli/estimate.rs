@@ -92,6 +92,13 @@ impl Estimate {
     /// The threshold in grey levels of an image.
     fn threshold_grey(&self, path: &Path, image: &GreyImage) -> Result<f64, Failure> {
         match (self.reading.threshold, image.top_grey()) {
+            (Threshold::Levels(levels), Some(top)) if levels >= top => {
+                let message = format!(
+                    "{}: `--threshold {levels}` is not below its top grey level of {top}: no pixel could be lit",
+                    path.display()
+                );
+                Err(Failure::usage(message).in_file(path))
+            }
             (Threshold::Levels(levels), _) => Ok(levels),
             (share, Some(top)) => Ok(share.of(top)),
             (share, None) => {

@@ -1,6 +1,7 @@
 //! `expose`: another frame of light that is traced already.
 
 use super::facts::{columns, figure};
+use super::flags::positive;
 use super::job::{load_scene, view};
 use super::shot::{camera_json, note_exposure, write_frame};
 use super::{Failure, Outcome, OutputFolder, Talk, note, print};
@@ -22,7 +23,7 @@ pub(super) struct Expose {
     #[arg(long, value_name = "SCENE")]
     scene: Option<PathBuf>,
     /// Exposure time, ms [default: the scene's].
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
     exposure_ms: Option<f64>,
     /// Bits of a grey value, 8 to 16 [default: the scene's].
     #[arg(long, value_name = "B", allow_negative_numbers = true)]

@@ -139,14 +139,21 @@ fn integrator(text: &str) -> Result<Integrator, String> {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+/// A finite number above 0.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    let number = finite(text).ok().filter(|number| *number > 0.0);
     number.ok_or_else(|| "it must be a finite number above 0".into())
+}
+
+/// A finite number.
+pub(super) fn finite(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| "it must be a finite number".into())
 }
 
 /// A finite number of 0 or more.
 pub(super) fn not_negative(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
+    let number = finite(text).ok().filter(|number| *number >= 0.0);
     number.ok_or_else(|| "it must be a finite number of 0 or more".into())
 }
 

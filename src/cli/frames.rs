@@ -5,6 +5,7 @@ mod pictures;
 mod source;
 
 use super::facts::{columns, figure};
+use super::flags::{finite, not_negative, positive};
 use super::{Failure, Outcome, OutputFolder, Talk, note, print};
 use crate::mechanics::frames::{Feature, Features, Frame, features_csv, frames_csv};
 use clap::Args;
@@ -206,16 +207,4 @@ fn said(feature: &Feature, unit: &str) -> String {
         (Some(value), _) => format!("{} {unit}", figure(value)),
         (None, reason) => format!("undefined: {}", reason.unwrap_or_default()),
     }
-}
-
-fn finite(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| "it must be a finite number".into())
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    finite(text).ok().filter(|number| *number >= 0.0).ok_or_else(|| "it must be a finite number, 0 or more".into())
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    finite(text).ok().filter(|number| *number > 0.0).ok_or_else(|| "it must be a finite number above 0".into())
 }

@@ -14,7 +14,7 @@
 //!   expected light would have had there, by the same weight.
 //! - The standard error has a floor, [`ROUNDING`] of the radiance: two f32 tracers differ by that much without noise.
 //! - A pixel that a border of light crosses may have all its few samples on one side: its variance is at least what that leaves
-//!   open ([`Cells::across_borders`]).
+//!   open (`cells.rs`).
 //! - Neighbours may be correlated: the largest deviate stays conservative then, and the sum of squares is judged by the
 //!   chi-square that has its mean, variance and skewness (Hall 1983; Buckley and Eagleson 1988). These follow from how
 //!   much the cells of both films move together ([`super::Correlation`]), dim cells counted as bright ones.

@@ -59,7 +59,8 @@ impl Unseen {
         let brightest = brightest(model);
         let finds = NONE_SEEN / traced.spp.max(1) as f64;
         let dark = film.mean.iter().all(|&mean| mean == 0.0);
-        let mean_below = dark.then(|| finds * brightest / pixels + missed_by_photons(model, traced, pixels));
+        let missed = || finds * brightest / pixels + missed_by_photons(model, traced, pixels);
+        let mean_below = dark.then(|| if known_dark.is_some() { 0.0 } else { missed() });
         let (pixel, sum) = match (mean_below, known_dark) {
             (_, Some(_)) => (0.0, 0.0),
             (Some(mean), None) => {

@@ -159,7 +159,7 @@ fn full_scale_can_be_declared_and_thresholds_are_shares_of_it() {
     assert!(refused(&place, &["estimate", &narrow, "--full-scale-bits", "12"]).contains("has 8 bits"));
     let exr = place.radiance("a.exr", &film(1, 1.0), UNIT);
     assert!(refused(&place, &["estimate", &exr, "--threshold", "2%", "--quiet"]).contains("no full scale"));
-    for bad in ["100%", "x%", "%", "-1"] {
+    for bad in ["100%", "x%", "%", "-1", "65535"] {
         assert!(refused(&place, &["estimate", &image, "--threshold", bad]).contains("--threshold"), "{bad}");
     }
 }
