@@ -129,7 +129,8 @@ impl<'a> Exposed<'a> {
         let sum =
             |of: &dyn Fn(f64, f64) -> f64| left_out.iter().map(|(shift, mean)| of(*shift, mean - middle)).sum::<f64>();
         let jackknife = (groups - 1.0) / groups * sum(&|_, off| off * off);
-        let slope = sum(&|shift, off| shift * off) / sum(&|shift, _| shift * shift);
+        let squares = sum(&|shift, _| shift * shift);
+        let slope = if squares > 0.0 { sum(&|shift, off| shift * off) / squares } else { 0.0 };
         Response { mean: found.mean, variance: found.variance + jackknife, slope }
     }
 

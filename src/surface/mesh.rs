@@ -100,7 +100,7 @@ impl Mesh {
     pub fn steepest(&self) -> f64 {
         let slope = |c: &[[f64; 3]; 3]| {
             let facet = cross(sub(c[1], c[0]), sub(c[2], c[0]));
-            facet[0].hypot(facet[1]) / facet[2]
+            facet[0].hypot(facet[1]) / facet[2].abs()
         };
         self.corners.iter().map(slope).fold(0.0, f64::max)
     }

@@ -150,9 +150,7 @@ mod tests {
 
     fn open(absorption: f64) -> (tissue::HalfSpace, HalfSpace<f64>) {
         let tissue = tissue::HalfSpace::new(1.0, absorption);
-        let Scatter::HalfSpace(found) = Scatter::half_space(&tissue, |_| 1.0, |_| 0.0) else {
-            unreachable!("a half space")
-        };
+        let Scatter::HalfSpace(found) = Scatter::half_space(&tissue, |_| 1.0, |_| 0.0) else { panic!("a half space") };
         (tissue, found)
     }
 
