@@ -78,7 +78,7 @@ impl Films {
         Ok(Self { size: model.camera.size, samples: spp, files })
     }
 
-    /// A film as its file has it: without its groups, its blocks made from what pixels share.
+    /// A film as its file has it: without its groups.
     pub fn film(&self, seed: usize) -> Result<Film> {
         let bytes = std::fs::read(self.files.get(seed).context("no such seed")?)?;
         let values: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
@@ -86,9 +86,7 @@ impl Films {
         for replicate in values.chunks_exact((self.size[0] * self.size[1]) as usize) {
             sum.add(&replicate.iter().map(|&v| f64::from(v)).collect::<Vec<_>>())?;
         }
-        let film = sum.finish();
-        let sharing = film.sharing();
-        Ok(Film { groups: Vec::new(), samples: self.samples, ..film }.with_sharing(&sharing))
+        Ok(Film { groups: Vec::new(), samples: self.samples, ..sum.finish() })
     }
 }
 

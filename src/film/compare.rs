@@ -219,7 +219,7 @@ impl<'a> Side<'a> {
         }
         check(&film.mean, &film.variance, name)?;
         let film = match film.blocks.is_empty() {
-            true => Cow::Owned(film.clone().with_sharing(&[])),
+            true => Cow::Owned(film.clone().with_independent_blocks()),
             false => Cow::Borrowed(film),
         };
         for block in &film.blocks {
@@ -300,15 +300,20 @@ impl Level {
         let (of_a, of_b) = (a.cells(edge)?, b.cells(edge)?);
         let weights = of_a.weights().into_iter().zip(of_b.weights());
         let (of_a, of_b) = (a.with_borders(of_a, edge), b.with_borders(of_b, edge));
+        let border = if edge == 1 && b.samples > 0.0 { cells::border(b.samples) } else { 0.0 };
         let test = |(index, ((a, b), (weight_a, weight_b))): (_, (_, (Option<f64>, Option<f64>)))| {
             let weights = [weight_a.or(weight_b), weight_b.or(weight_a)].map(|weight| weight.unwrap_or(0.0));
             test_cell(index, [a, b], weights, edge == 0)
         };
-        let cells: Vec<Tested> = of_a.iter().zip(of_b.iter()).zip(weights).enumerate().filter_map(test).collect();
+        let stepped = |cell: Tested| {
+            let step = of_b.least.get(cell.index).map_or(0.0, |&least| (f64::from(least) / border).sqrt());
+            Tested { step: step / cell.light, ..cell }
+        };
+        let tested = of_a.iter().zip(of_b.iter()).zip(weights).enumerate().filter_map(test);
+        let cells: Vec<Tested> = tested.map(stepped).collect();
         let count = cells.len() as f64;
         let share = cells.iter().map(|cell| cell.share).sum::<f64>() / count.max(1.0);
         let correlation = a.correlation(edge, count).of_difference(b.correlation(edge, count), share).of_cells(count);
-        let border = if edge == 1 && b.samples > 0.0 { cells::border(b.samples) } else { 0.0 };
         Ok(Self { edge, border, cells, correlation })
     }
 
@@ -362,8 +367,8 @@ impl Level {
 
     /// By the largest deviate, in the cell of median noise. A cell that is picked by its error has one that is too small where
     /// few paths bring light, so each film's error is that of the cells that the other film picks. Brighter light is noisier:
-    /// of the relative variances u and v of both films, d^2 = k^2 (u + (1 + d)^2 v + b d^2) with k standard errors and b for the
-    /// border that it looks like. None: no change is seen.
+    /// of the relative variances u and v of both films, d^2 = k^2 (u + (1 + d)^2 v + b (s + d)^2) with k standard errors and b for
+    /// the border that it looks like, beside the step s from its neighbours that there is. None: no change is seen.
     fn smallest_change(&self, share: f64) -> Option<f64> {
         let each = match self.cells.len() {
             0 | 1 => share,
@@ -372,9 +377,10 @@ impl Level {
         let first = self.about_median(Tested::of_second, Tested::of_first);
         let second = self.about_median(Tested::of_first, Tested::of_second);
         let k = tails::seen_in_90_percent(each, self.median()?.freedom);
-        let (u, v) = (k * k * first, k * k * second);
-        let left = 1.0 - v - k * k * self.border;
-        (left > 0.0).then(|| (v + (v * v + left * (u + v)).sqrt()) / left)
+        let (u, v, b) = (k * k * first, k * k * second, k * k * self.border);
+        let step = self.about_median(Tested::of_first, |cell| cell.step);
+        let (left, linear) = (1.0 - v - b, v + b * step);
+        (left > 0.0).then(|| (linear + (linear * linear + left * (u + v + b * step * step)).sqrt()) / left)
     }
 
     /// Mean of a number over the tenth of the cells that lie about the median of another.

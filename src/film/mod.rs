@@ -4,20 +4,16 @@ pub mod blocks;
 pub mod compare;
 mod correlation;
 mod groups;
-mod inflation;
 pub mod ledger;
 mod parts;
-mod sharing;
 mod tails;
 
 pub use blocks::{BlockAccumulator, BlockLevel};
 pub use compare::{Comparison, compare};
 pub use correlation::Correlation;
 pub use groups::{Group, MOST_GROUPS};
-pub use inflation::Inflation;
 pub use ledger::Ledger;
 pub use parts::Parts;
-pub use sharing::Sharing;
 pub use tails::{mean_interval, quantile_95};
 
 /// Unit of radiance, as it is written in files, pictures and text.

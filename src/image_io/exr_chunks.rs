@@ -31,15 +31,23 @@ impl<'a> ExrFile<'a> {
 
     /// The values of one channel, row-major.
     pub fn channel(&self, index: usize) -> Result<Vec<f32>, ImageError> {
+        Ok(self.channels(&[index])?.pop().unwrap_or_default())
+    }
+
+    /// The values of these channels, row-major.
+    pub fn channels(&self, wanted: &[usize]) -> Result<Vec<Vec<f32>>, ImageError> {
         let damaged = |reason: String| ImageError::Damaged { path: self.path.into(), reason };
         let meta = self.meta_data();
         let size_of = |channel: &exr_header::Channel| channel.kind.bytes_per_sample() * self.header.width;
-        let before: usize = self.header.channels.iter().take(index).map(size_of).sum();
         let line: usize = self.header.channels.iter().map(size_of).sum();
-        let Some(channel) = self.header.channels.get(index) else {
-            return Err(damaged("a channel is missing".into()));
+        let find = |&index: &usize| {
+            let before: usize = self.header.channels.iter().take(index).map(size_of).sum();
+            let channel = self.header.channels.get(index).ok_or_else(|| damaged("a channel is missing".into()))?;
+            Ok((channel.kind, before..before + size_of(channel)))
         };
-        let mut values = Vec::with_capacity(self.header.width * self.header.height);
+        let places = wanted.iter().map(find).collect::<Result<Vec<_>, ImageError>>()?;
+        let pixels = self.header.width * self.header.height;
+        let mut values = vec![Vec::with_capacity(pixels); wanted.len()];
         let lines_per_chunk = self.header.compression.scan_lines_per_block();
         for (number, compressed) in self.chunks.iter().enumerate() {
             let block = CompressedScanLineBlock {
@@ -50,11 +58,12 @@ impl<'a> ExrFile<'a> {
             let block = UncompressedBlock::decompress_chunk(chunk, &meta, false);
             let block = block.map_err(|error| damaged(format!("chunk {number}: {error}")))?;
             for bytes in block.data.chunks_exact(line) {
-                let samples = bytes.get(before..before + size_of(channel)).unwrap_or_default();
-                values.extend(decode(channel.kind, samples));
+                for (values, (kind, place)) in values.iter_mut().zip(&places) {
+                    values.extend(decode(*kind, bytes.get(place.clone()).unwrap_or_default()));
+                }
             }
         }
-        match values.len() == self.header.width * self.header.height {
+        match values.iter().all(|values| values.len() == pixels) {
             true => Ok(values),
             false => Err(damaged("it holds fewer pixels than its size says".into())),
         }

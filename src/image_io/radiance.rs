@@ -1,13 +1,13 @@
 //! `radiance.exr`: a film and where it comes from.
 //!
-//! One part, two 32-bit float channels `mean` and `variance` (of the mean), linear, and one string attribute
-//! `tirtouch` of JSON. The exr crate writes attributes in hash order, so there is only one: equal films give equal bytes.
+//! One part of linear 32-bit float channels: `mean` and `variance` (of the mean), and for the edges of
+//! [`crate::film::blocks::EDGES`] what the mean over the block of a pixel varies by, which neighbours that share photons
+//! make more than their sum. One string attribute `tirtouch` of JSON. The exr crate writes attributes in hash order, so there is only one: equal films give equal bytes.
 
 use super::exr_chunks::with_exr;
 use super::exr_header::PROVENANCE;
 use super::{ImageError, limits};
-use crate::film::blocks::cells;
-use crate::film::{Correlation, Film, Inflation, Parts, Sharing};
+use crate::film::{Correlation, Film, Parts};
 use exr::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -46,13 +46,8 @@ pub struct Provenance {
     pub command: String,
     /// How much the film's cells move together; written from the film.
     pub correlation: Vec<Correlation>,
-    /// From which the variances of its blocks are made; written from the film.
-    pub sharing: Vec<Sharing>,
     /// Regions of its groups of replicates; written from the film.
     pub parts: Parts,
-    /// What stood there in place of `sharing` at first: read, not written.
-    #[serde(skip_serializing)]
-    pub inflation: Vec<Inflation>,
 }
 
 impl Provenance {
@@ -65,7 +60,10 @@ impl Provenance {
     }
 }
 
-/// Writes `film` as an EXR. Of its blocks and replicates a few numbers are kept.
+/// Channels of the variances of blocks, in the order of [`crate::film::blocks::EDGES`].
+const BLOCK_VARIANCES: [&str; 4] = ["variance_4x4", "variance_16x16", "variance_64x64", "variance_image"];
+
+/// Writes `film` as an EXR. Of its replicates a few numbers are kept.
 ///
 /// # Errors
 /// When the film has no pixels, arrays that do not fit its size, or the file cannot be written.
@@ -92,7 +90,6 @@ pub fn write_radiance_as(
     let provenance = Provenance {
         replicates: film.replicates,
         correlation: film.correlation.clone(),
-        sharing: film.sharing(),
         parts: film.parts.clone(),
         ..provenance.clone()
     };
@@ -107,8 +104,10 @@ pub fn write_radiance_as(
     }
     let text = Text::new_or_none(&ascii).ok_or_else(|| refused("provenance is not text".into()))?;
     let channel = |name: &str, values: &[f32]| AnyChannel::new(name, FlatSamples::F32(values.to_vec()));
-    let channels =
-        AnyChannels::sort([channel("mean", &film.mean), channel("variance", variances)].into_iter().collect());
+    let of_blocks = film.block_variance_images();
+    let blocks = BLOCK_VARIANCES.iter().zip(&of_blocks).map(|(name, values)| channel(name, values));
+    let pixels = [channel("mean", &film.mean), channel("variance", variances)];
+    let channels = AnyChannels::sort(pixels.into_iter().chain(blocks).collect());
     let mut layer = Layer::new(
         (film.width as usize, film.height as usize),
         LayerAttributes::default(),
@@ -133,13 +132,16 @@ pub fn read_radiance(path: &Path) -> std::result::Result<(Film, Option<Provenanc
     }
     let damaged = |reason: &str| ImageError::Damaged { path: path.into(), reason: reason.into() };
     with_exr(path, |file| {
+        let place = |name: &str| file.header.channels.iter().position(|channel| channel.name == name);
         let find = |name: &str| {
-            let found = file.header.channels.iter().position(|channel| channel.name == name);
-            found.ok_or_else(|| {
+            place(name).ok_or_else(|| {
                 damaged(&format!("it has no channel `{name}`; a radiance.exr has `mean` and `variance`"))
             })
         };
-        let (mean, variance) = (file.channel(find("mean")?)?, file.channel(find("variance")?)?);
+        let blocks: Option<Vec<usize>> = BLOCK_VARIANCES.iter().map(|name| place(name)).collect();
+        let wanted = [find("mean")?, find("variance")?].into_iter().chain(blocks.into_iter().flatten());
+        let mut channels = file.channels(&wanted.collect::<Vec<_>>())?.into_iter();
+        let (mean, variance) = (channels.next().unwrap_or_default(), channels.next().unwrap_or_default());
         let size = [file.header.width, file.header.height];
         let provenance = match &file.header.provenance {
             None => None,
@@ -156,39 +158,38 @@ pub fn read_radiance(path: &Path) -> std::result::Result<(Film, Option<Provenanc
         let pixels = film.variance.iter_mut().zip(&film.mean);
         pixels.filter(|(_, mean)| **mean == 0.0).for_each(|(variance, _)| *variance = 0.0);
         film.samples = provenance.spp;
-        if let Some(reason) = fault(&film, &provenance) {
+        if let Some(reason) = fault(&provenance) {
             return Err(damaged(reason));
         }
         let film = Film { replicates: provenance.replicates, ..film };
-        let film = match provenance.inflation.is_empty() {
-            true => Film {
-                correlation: provenance.correlation.clone(),
-                parts: provenance.parts.clone(),
-                ..film.with_sharing(&provenance.sharing)
-            },
-            false => film.with_inflation(&provenance.inflation),
-        };
-        Ok((film, Some(provenance)))
+        let blocks: Vec<Vec<f32>> = channels.collect();
+        if blocks.is_empty() {
+            let reason = "it is of an earlier version, without the variances of its blocks; render it again".into();
+            return Err(ImageError::Unsupported { path: path.into(), reason });
+        }
+        for values in &blocks {
+            check_values(path, size[0], values, A_VARIANCE, is_variance)?;
+        }
+        let film = film.with_block_variance_images(&blocks);
+        let film = film.ok_or_else(|| damaged("the variance of a block is not the same in all its pixels"))?;
+        let (correlation, parts) = (provenance.correlation.clone(), provenance.parts.clone());
+        Ok((Film { correlation, parts, ..film }, Some(provenance)))
     })
 }
 
-/// What in a header does not fit its film.
-fn fault(film: &Film, provenance: &Provenance) -> Option<&'static str> {
+/// What in a header cannot be.
+fn fault(provenance: &Provenance) -> Option<&'static str> {
     let share = |value: f64| value > 0.0 && value <= 1.0;
-    let blocks = |entry: &Inflation| cells(film.width, film.height, entry.edge);
-    if provenance.inflation.iter().any(|entry| !(entry.factor.is_finite() && entry.factor >= 1.0)) {
-        return Some("an inflation factor is below 1");
-    }
-    if provenance.inflation.iter().any(|entry| !(entry.blocks.is_empty() || entry.blocks.len() == blocks(entry))) {
-        return Some("the inflation of its blocks is not of their number");
-    }
     if !provenance.correlation.iter().all(|entry| share(entry.pairs) && share(entry.triples)) {
         return Some("a correlation is not within 0 and 1");
     }
-    if !provenance.sharing.iter().all(|entry| entry.fits(film.width, film.height)) {
-        return Some("what its pixels share is not of the number of its tiles");
-    }
     (!provenance.parts.is_whole()).then_some("the regions of its replicates are not of their number")
+}
+
+const A_VARIANCE: &str = "a finite variance of 0 or more";
+
+fn is_variance(value: f32) -> bool {
+    value.is_finite() && value >= 0.0
 }
 
 fn read_folder(folder: &Path) -> std::result::Result<Film, ImageError> {
@@ -214,8 +215,7 @@ fn film(
     variance: Vec<f32>,
 ) -> std::result::Result<Film, ImageError> {
     check_values(mean_path, width, &mean, "a finite mean", |value| value.is_finite())?;
-    let right = "a finite variance of 0 or more";
-    check_values(variance_path, width, &variance, right, |value| value.is_finite() && value >= 0.0)?;
+    check_values(variance_path, width, &variance, A_VARIANCE, is_variance)?;
     Ok(Film { width: width as u32, height: height as u32, mean, variance, ..Film::default() })
 }
 
@@ -243,7 +243,7 @@ pub(super) fn check_values(
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::film::BlockAccumulator;
+    use crate::film::{BlockAccumulator, BlockLevel};
 
     /// Eight replicates in which pairs of neighbours move together.
     fn film() -> Film {
@@ -282,19 +282,11 @@ mod tests {
         let (read, origin) = read_radiance(&path).unwrap();
         assert_eq!((read.width, read.height, read.replicates), (24, 18, 8));
         assert_eq!((&read.mean, &read.variance), (&film.mean, &film.variance));
-        let expected = Provenance {
-            replicates: 8,
-            correlation: film.correlation.clone(),
-            sharing: film.sharing(),
-            parts: film.parts.clone(),
-            ..provenance()
-        };
-        assert_eq!(origin, Some(expected));
-        // Its blocks are those of its pixels and what they share.
-        let rebuilt = Film { blocks: Vec::new(), ..film.clone() }.with_sharing(&film.sharing());
-        assert_eq!((read.blocks, read.correlation), (rebuilt.blocks, rebuilt.correlation));
-        assert_eq!(read.parts, film.parts);
-        assert!(film.sharing()[0].shares.iter().any(|&share| share > 0.01), "the pairs show: {:?}", film.sharing());
+        let (correlation, parts) = (film.correlation.clone(), film.parts.clone());
+        assert_eq!(origin, Some(Provenance { replicates: 8, correlation, parts, ..provenance() }));
+        assert_eq!((read.correlation, read.parts), (film.correlation, film.parts));
+        let variances = |levels: Vec<BlockLevel>| levels.into_iter().map(|level| level.variance).collect::<Vec<_>>();
+        assert_eq!(variances(read.blocks), variances(film.blocks));
     }
 
     #[test]
@@ -313,29 +305,18 @@ mod tests {
     }
 
     #[test]
-    fn headers_that_do_not_fit_their_film_are_refused() {
+    fn headers_that_cannot_be_are_refused() {
         let film = film();
-        let whole = Provenance {
-            correlation: film.correlation.clone(),
-            sharing: film.sharing(),
-            parts: film.parts.clone(),
-            ..provenance()
-        };
-        assert_eq!(fault(&film, &whole), None);
+        let whole = Provenance { correlation: film.correlation.clone(), parts: film.parts.clone(), ..provenance() };
+        assert_eq!(fault(&whole), None);
         let with = |change: &dyn Fn(&mut Provenance)| {
             let mut changed = whole.clone();
             change(&mut changed);
-            fault(&film, &changed)
+            fault(&changed)
         };
         assert!(with(&|p| p.correlation[0].pairs = 2.0).is_some());
         assert!(with(&|p| p.correlation[0].triples = f64::NAN).is_some());
-        assert!(with(&|p| _ = p.sharing[0].shares.pop()).is_some());
-        assert!(with(&|p| p.sharing[0].edge = 5).is_some());
         assert!(with(&|p| _ = p.parts.radiance.pop()).is_some());
-        let inflation = |factor, blocks: usize| vec![Inflation { edge: 4, factor, blocks: vec![1.0; blocks] }];
-        assert!(with(&|p| p.inflation = inflation(0.5, 0)).is_some());
-        assert!(with(&|p| p.inflation = inflation(1.0, 29)).is_some());
-        assert!(with(&|p| p.inflation = inflation(1.0, 30)).is_none());
     }
 
     #[test]
@@ -353,6 +334,22 @@ mod tests {
     }
 
     #[test]
+    fn images_of_earlier_versions_are_refused_by_name() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("radiance.exr");
+        let json = serde_json::to_string(&provenance()).unwrap().replace(|c: char| !c.is_ascii(), "?");
+        let channel = |name: &str| AnyChannel::new(name, FlatSamples::F32(vec![1.0; 40]));
+        let channels = AnyChannels::sort([channel("mean"), channel("variance")].into_iter().collect());
+        let mut layer = Layer::new((8, 5), LayerAttributes::default(), Encoding::FAST_LOSSLESS, channels);
+        layer.encoding.blocks = Blocks::ScanLines;
+        let text = Text::new_or_none(&json).unwrap();
+        layer.attributes.other.insert(Text::from(PROVENANCE), AttributeValue::Text(text));
+        Image::from_layer(layer).write().to_file(&path).unwrap();
+        let refused = read_radiance(&path).unwrap_err();
+        assert!(matches!(&refused, ImageError::Unsupported { reason, .. } if reason.contains("earlier")), "{refused}");
+    }
+
+    #[test]
     fn the_exr_crate_reads_what_is_written() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("radiance.exr");
@@ -360,7 +357,7 @@ mod tests {
         let meta = exr::meta::MetaData::read_from_file(&path, true).unwrap();
         assert_eq!(meta.headers.len(), 1);
         let names: Vec<String> = meta.headers[0].channels.list.iter().map(|channel| channel.name.to_string()).collect();
-        assert_eq!(names, ["mean", "variance"]);
+        assert_eq!(names, ["mean", "variance", "variance_16x16", "variance_4x4", "variance_64x64", "variance_image"]);
         assert_eq!(meta.headers[0].own_attributes.other.len(), 1);
     }
 

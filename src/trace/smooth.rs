@@ -43,10 +43,22 @@ impl Smoother {
         }
         let once = self.once(&self.cut(density));
         let twice = self.once(&once);
+        self.whole(once.iter().zip(twice).map(|(once, twice)| 2.0 * once - twice), density.len())
+    }
+
+    /// Means of a density under the kernel: never below 0 where the density is not.
+    pub fn mean(&self, density: &[f64]) -> Vec<f64> {
+        let flux: Vec<f64> = self.cut(density).iter().zip(&self.area).map(|(density, area)| density * area).collect();
+        let means = self.sum(&flux, [0, 0]).into_iter().zip(self.sum(&self.area, [0, 0]));
+        self.whole(means.map(|(flux, area)| if area > 0.0 { flux / area } else { 0.0 }), density.len())
+    }
+
+    /// A field of so many texels from the window's part.
+    fn whole(&self, part: impl Iterator<Item = f64>, texels: usize) -> Vec<f64> {
         let [x, y, columns, _] = self.window;
-        let mut out = vec![0.0; density.len()];
-        for (k, (once, twice)) in once.iter().zip(twice).enumerate() {
-            out[(y + k / columns) * self.columns + x + k % columns] = 2.0 * once - twice;
+        let mut out = vec![0.0; texels];
+        for (k, value) in part.enumerate() {
+            out[(y + k / columns) * self.columns + x + k % columns] = value;
         }
         out
     }

@@ -54,6 +54,8 @@ fn a_scan_gives_frames_features_and_pictures() {
     expected.extend(PICTURES);
     expected.sort_unstable();
     assert_eq!(names(&folder), expected);
+    let report = std::fs::read_to_string(folder.join("report.html")).unwrap();
+    assert!(report.contains("What the phantom holds"), "its truth is not there");
     let again = tirtouch_in(place.path(), &["frames", "scan.toml", "-o", "out/scan"]);
     assert_eq!(code(&again), 2, "an existing folder stays");
 

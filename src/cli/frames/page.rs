@@ -15,7 +15,8 @@ pub(super) fn report(reading: &Reading, pictures: &Pictures) -> Report {
         let rows = computed.facts().into_iter().map(|(name, value)| vec![name, value]).collect();
         let columns = ["figure", "value"].map(str::to_owned).to_vec();
         let table = Table { caption: "How it was computed".to_owned(), columns, rows };
-        let items = vec![picture(svg, "deformed mesh with pressure", caption), Item::Table(table)];
+        let mut items = vec![picture(svg, "deformed mesh with pressure", caption), Item::Table(table)];
+        items.extend(source.truth.table());
         sections.push(Section { title: "Mechanics".to_owned(), items });
     }
     Report {

@@ -128,6 +128,10 @@ pub(super) struct Tested {
     pub relative_error: f64,
     /// Degrees of freedom of the difference.
     pub freedom: f64,
+    /// Mean of both films, pooled.
+    pub light: f64,
+    /// Largest step from a neighbour of the second film, beyond noise, over that light.
+    pub step: f64,
 }
 
 impl Tested {
@@ -166,7 +170,8 @@ pub(super) fn test_cell(index: usize, [mut a, mut b]: [Cell; 2], weights: [f64; 
     let (difference, freedom) = (a.mean - b.mean, welch(variance, a, b));
     let p = if difference == 0.0 { 1.0 } else { tails::two_sided(difference / variance.sqrt(), freedom) };
     let share = (a.variance + 0.5 * floor) / variance;
-    Some(Tested { index, p, share, relative_error: variance.sqrt() / light.abs(), freedom })
+    let light = light.abs();
+    Some(Tested { index, p, share, relative_error: variance.sqrt() / light, freedom, light, step: 0.0 })
 }
 
 /// Degrees of freedom of a difference of two cells (Welch 1947).
