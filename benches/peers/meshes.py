@@ -13,7 +13,7 @@ the LEDs are widened to 10 mm: of 3 mm they light 2 % of the pixels, and their i
 
 tirtouch traces closed forms (height fields for Gaussians), in four times the rounds, and meshes, on the CPU, where
 trees are searched faster; equal seeds would gain nothing, as a mesh's facets scatter its error. Mitsuba traces the same
-triangles of the coarsest grid, with the same normals. Errors are the spread of the rounds. The grids' limit, the finest
+triangles of the coarsest grid (without grids: of the fewest rings), with the same normals. Errors are the spread of the rounds. The grids' limit, the finest
 rings and Mitsuba meet if they are off by at most 0.3 % with an error below 0.1 %. Writes meshes.json and meshes.md.
 """
 
@@ -126,30 +126,33 @@ def study(name, arguments, work):
     """All rows of one dent."""
     scene = scene_of(name, arguments)
     exact = mean_error(ours(scene, 4 * arguments.rounds, arguments, work))
-    rows, coarse = [{"surface": "closed form", "mean": exact}], arguments.cells[0]
+    rows = [{"surface": "closed form", "mean": exact}]
+    counts = [("grid", n) for n in arguments.cells] + [("rings", n) for n in arguments.rings]
+    coarse = counts[0]
     for normals in ("flat", "smooth"):
         grids = []
-        for kind, count in [("grid", n) for n in arguments.cells] + [("rings", n) for n in arguments.rings]:
+        for kind, count in counts:
             mesh = meshed(scene, kind, count, normals, work)
             means = ours(mesh, arguments.rounds, arguments, work, "--backend", "cpu")
             finest = (kind, count) == ("rings", arguments.rings[-1])
             rows.append(row(f"{kind} {count}, {normals}", mean_error(means), exact, finest))
             if kind == "grid":
                 grids.append(mean_error(means))
-            if (kind, count) == ("grid", coarse):
-                first = means[0]
+            if (kind, count) == coarse:
+                first, same = means[0], mean_error(means)
         order = 1 if "radius_mm" in DENTS[name] else 2
-        limit, chi_square = extrapolated(arguments.cells, grids, order)
-        rows.append(row(f"grid, {normals}, to no width", limit, exact) | {"order": order, "chi_square": chi_square})
+        if grids:
+            limit, chi_square = extrapolated(arguments.cells, grids, order)
+            rows.append(row(f"grid, {normals}, to no width", limit, exact) | {"order": order, "chi_square": chi_square})
         if normals in arguments.mitsuba_normals:
-            vertices, faces = triangles(scene, "grid", coarse)
+            vertices, faces = triangles(scene, *coarse)
             given = (vertices, faces, vertex_normals(vertices, faces) if normals == "smooth" else None)
             peers = mean_error(theirs(scene, given, arguments))
-            rows.append(row(f"grid {coarse}, {normals}: Mitsuba over tirtouch", peers, grids[0]))
-    mesh = meshed(scene, "grid", coarse, "smooth", work)
+            rows.append(row("{} {}, {}: Mitsuba over tirtouch".format(*coarse, normals), peers, same))
+    mesh = meshed(scene, *coarse, "smooth", work)
     for what, how in (("f64", ("--backend", "cpu", "--precision", "f64")), ("GPU", ("--backend", "gpu"))):
         off = 100 * (float(ours(mesh, 1, arguments, work, *how)[0] / first) - 1)
-        rows.append({"surface": f"grid {coarse}, smooth: {what} over f32, same paths", "off_%": off})
+        rows.append({"surface": "{} {}, smooth: {} over f32, same paths".format(*coarse, what), "off_%": off})
     return rows
 
 
@@ -172,7 +175,7 @@ def main():
     parser.add_argument("--scenes", type=Path, default=compare.ROOT / "scenes")
     parser.add_argument("--dent", action="append", choices=DENTS, help="only this dent; may be repeated")
     parser.add_argument("--led-mm", type=float, default=10.0, help="diameter of the LEDs")
-    parser.add_argument("--cells", type=int, nargs="+", default=[256, 512, 1024])
+    parser.add_argument("--cells", type=int, nargs="*", default=[256, 512, 1024])
     parser.add_argument("--rings", type=int, nargs="+", default=[128, 256])
     parser.add_argument("--rounds", type=int, default=8)
     parser.add_argument("--spp", type=int, default=32)
@@ -183,8 +186,8 @@ def main():
     arguments = parser.parse_args()
     if min(arguments.rounds, arguments.mitsuba_rounds) < 8:
         parser.error("--rounds and --mitsuba-rounds: at least 8, errors are the spread of the rounds")
-    if len(arguments.cells) < 3:
-        parser.error("--cells: at least 3, the fit has two unknowns")
+    if len(arguments.cells) in (1, 2):
+        parser.error("--cells: none or at least 3, the fit has two unknowns")
     arguments.out.mkdir(parents=True, exist_ok=True)
     results, text = {}, ""
     with tempfile.TemporaryDirectory() as work:

@@ -25,15 +25,17 @@ const PHOTONS: u64 = 1 << 20;
 /// In the pressed phantom, where they stay between clear walls for long.
 const FEW_PHOTONS: u64 = 1 << 17;
 
-const CASES: [(&str, Method, u64); 9] = [
+const CASES: [(&str, Method, u64); 11] = [
     ("flat-bonded", Method::Path, PHOTONS),
     ("dent-cap", Method::Path, PHOTONS),
     ("tsis-dent", Method::Path, PHOTONS),
     ("contact-disc", Method::Path, PHOTONS),
     ("contact-disc", Method::Splat, PHOTONS),
     ("contact-disc", Method::Map, PHOTONS),
+    ("press-hertz", Method::Path, PHOTONS),
     ("press-hertz", Method::Splat, PHOTONS),
     ("press-hertz", Method::Map, PHOTONS),
+    ("phantom-size-8mm", Method::Path, FEW_PHOTONS),
     ("phantom-size-8mm", Method::Map, FEW_PHOTONS),
 ];
 const LEVELS: [f64; 3] = [0.05, 0.01, 0.001];

@@ -237,6 +237,7 @@ mod tests {
     fn baselines_loads_and_runs_have_no_noise_in_common_unless_asked() {
         let mut job = Job::sketch(Path::new("preset:phantom-size-8mm")).unwrap();
         job.loaded.scene.camera.pixels = [48, 36];
+        job.loaded.scene.render.map_texel_mm = 0.5;
         let baseline = job.baseline(true).unwrap();
         let first_load = job.at_step(0).unwrap();
         let [image, without, load] = [&job, &baseline, &first_load].map(|job| noise(job, [1, 3], Sharing::Own));

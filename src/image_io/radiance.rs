@@ -340,8 +340,9 @@ mod tests {
         let json = serde_json::to_string(&provenance()).unwrap().replace(|c: char| !c.is_ascii(), "?");
         let channel = |name: &str| AnyChannel::new(name, FlatSamples::F32(vec![1.0; 40]));
         let channels = AnyChannels::sort([channel("mean"), channel("variance")].into_iter().collect());
-        let mut layer = Layer::new((8, 5), LayerAttributes::default(), Encoding::FAST_LOSSLESS, channels);
-        layer.encoding.blocks = Blocks::ScanLines;
+        let (blocks, line_order) = (Blocks::ScanLines, LineOrder::Increasing);
+        let encoding = Encoding { compression: Compression::ZIP16, blocks, line_order };
+        let mut layer = Layer::new((8, 5), LayerAttributes::default(), encoding, channels);
         let text = Text::new_or_none(&json).unwrap();
         layer.attributes.other.insert(Text::from(PROVENANCE), AttributeValue::Text(text));
         Image::from_layer(layer).write().to_file(&path).unwrap();

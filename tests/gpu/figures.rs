@@ -1,6 +1,7 @@
 //! Intervals and warnings of the paper's figures on real renders of the twin; `examples/coverage.rs` is the long form.
 
 use crate::films::film;
+use crate::scenes::FEW_TEXELS_MM;
 use tirtouch::camera::expose;
 use tirtouch::estimate::{Exposed, GreyImage, PaperEstimate, Subtracted, Value, measure};
 use tirtouch::film::Film;
@@ -21,6 +22,7 @@ pub fn few_pixels() -> (LoadedScene, Model<f64>) {
     camera.pixels = camera.pixels.map(|pixels| pixels / 8);
     camera.pixel_pitch_um *= 8.0;
     camera.sensor.exposure_ms /= 64.0;
+    loaded.scene.render.map_texel_mm = FEW_TEXELS_MM;
     let model = Model::new(&loaded, &surface(&loaded).unwrap(), contact_map(&loaded).unwrap()).unwrap();
     (loaded, model)
 }

@@ -37,9 +37,13 @@ impl Case {
     pub fn model(&self, pixels: [u32; 2]) -> Model<f64> {
         let mut loaded = self.loaded.clone();
         loaded.scene.camera.pixels = pixels;
+        loaded.scene.render.map_texel_mm = FEW_TEXELS_MM;
         model(&loaded)
     }
 }
+
+/// Texels for images of few pixels: a sixteenth of the default's, and below a pixel.
+pub const FEW_TEXELS_MM: f64 = 0.5;
 
 pub fn model(loaded: &LoadedScene) -> Model<f64> {
     let (surface, contact) = match loaded.scene.press {
