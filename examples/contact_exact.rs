@@ -2,13 +2,14 @@
 //!
 //!     cargo run --release --example contact_exact [-- DISC_DROP_MM LED_INSET_MM POINTS]
 //!
-//! In a flat stack a ray runs at one fixed angle in each layer and splits in two at each interface. For a point of the disc
-//! that a camera ray sees, and a direction into the guide, the whole tree of pieces is followed until less than 1e-8 of the
-//! light is left; what ends on an LED or back on the disc is the light that arrives. Pixel, point and direction are points
-//! of a five-dimensional lattice with 16 random shifts: the error is their spread. Shares no code with the tracers.
+//! In a flat stack a ray runs at one fixed angle in each layer and splits in two at each interface. For a point of the
+//! disc that a camera ray sees, and a direction into the guide, the whole tree of pieces is followed until less than
+//! 1e-8 of the light is left; what ends on an LED or back on the disc is the light that arrives. Pixel, point and
+//! direction are points of a five-dimensional lattice with 16 random shifts: the error is their spread. Shares no code
+//! with the tracers.
 //!
-//! The two lengths are Mitsuba's stand-offs (benches/peers): its disc hangs below the touched face, its LEDs stand before
-//! the walls. Takes about 2 minutes on 2 cores.
+//! The two lengths are Mitsuba's stand-offs (benches/peers): its disc hangs below the touched face, its LEDs stand
+//! before the walls. Takes about 2 minutes on 2 cores.
 
 use anyhow::{Context as _, Result, ensure};
 use rayon::prelude::*;

@@ -1,11 +1,10 @@
-//! Run time against size: pixels, samples, layers, LEDs, contact area, texels of the map, points of height fields; and how full a
-//! vector of lanes is.
-//! (Triangles: `surfaces`. Finite elements: `converge`.)
+//! Run time against size: pixels, samples, layers, LEDs, contact area, texels of the map, points of height fields; and
+//! how full a vector of lanes is. (Triangles: `surfaces`. Finite elements: `converge`.)
 //!
 //!     cargo run --release --example cost -- [--rounds 5] [--only pixels]
 //!
-//! Every ladder starts from one scene and changes one thing. All rungs of a ladder are timed in turn, several times; a row has the
-//! medians, and the slope of log(time) against log(size) from the rung before.
+//! Every ladder starts from one scene and changes one thing. All rungs of a ladder are timed in turn, several times; a
+//! row has the medians, and the slope of log(time) against log(size) from the rung before.
 
 use anyhow::{Context as _, Result};
 use clap::Parser;
@@ -137,8 +136,8 @@ fn main() -> Result<()> {
 /// Lanes of vectors of 256 and 512 bits.
 const LANES: [usize; 2] = [8, 16];
 
-/// Segments of paths, and how many of the lanes that walk side by side still have a segment to walk: their mean over their longest.
-/// Where a path waits within a segment, in the search for a deformed face, comes on top.
+/// Segments of paths, and how many of the lanes that walk side by side still have a segment to walk: their mean over
+/// their longest. Where a path waits within a segment, in the search for a deformed face, comes on top.
 fn lanes(scene: &str) -> Result<()> {
     let loaded = preset(scene)?;
     let model = Model::new(&loaded, &surface(&loaded)?, contact_map(&loaded)?)?.cast::<f32>();

@@ -2,12 +2,13 @@
 //!
 //!     cargo run --release --example coverage -- [--seeds N] [--shrink K] [--spp N] [--photons N] [--phantom | --dent]
 //!
-//! Renders N seeds (200) of a pressed phantom, of the same press without its inclusion, and of a dent; exposes each and reads
-//! M, d, the centroid and h of the raw frame and of the frame less the other (the dent less the undeformed stack). A device
-//! is opened once a scene, and each is pressed once. What is to be held is the mean of the figure over all seeds. Printed for
-//! each figure: intervals that hold it, with the 95 % interval of that share (Clopper and Pearson), and the spread that the
-//! intervals claim over the spread there is. Warnings are counted on the phantom less the press without inclusion, where
-//! there is something to see, and on two presses without inclusion less each other, where there is nothing.
+//! Renders N seeds (200) of a pressed phantom, of the same press without its inclusion, and of a dent; exposes each and
+//! reads M, d, the centroid and h of the raw frame and of the frame less the other (the dent less the undeformed
+//! stack). A device is opened once a scene, and each is pressed once. What is to be held is the mean of the figure over
+//! all seeds. Printed for each figure: intervals that hold it, with the 95 % interval of that share (Clopper and
+//! Pearson), and the spread that the intervals claim over the spread there is. Warnings are counted on the phantom less
+//! the press without inclusion, where there is something to see, and on two presses without inclusion less each other,
+//! where there is nothing.
 
 use anyhow::{Context as _, Result, bail};
 use statrs::distribution::{Beta, ContinuousCDF};
@@ -115,7 +116,8 @@ fn read(shot: &Shot, reference: Option<&Shot>, (camera, wavelength): (&Camera, f
     Ok(measure(&shot.image.minus(&reference.image)?, &frame, Subtracted::Frame(&other), THRESHOLD))
 }
 
-/// Figures over seeds: of the raw frame, of the frame less its reference, and of a reference less that of the seed before.
+/// Figures over seeds: of the raw frame, of the frame less its reference, and of a reference less that of the seed
+/// before.
 #[derive(Default)]
 struct Study {
     raw: Vec<PaperEstimate>,

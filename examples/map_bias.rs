@@ -3,10 +3,10 @@
 //!     cargo run --release --example map_bias -- out/map-bias
 //!
 //! `splat` is unbiased on flat stacks and meets the same photons as `map` where the seed is the same, so the two images
-//! differ by the map's bias and by little noise. Each round is one render at default samples: its spread is the noise that
-//! a user sees. The map is smoothed as such a render would smooth it, by a kernel chosen from 16 replicates of its own; a third
-//! argument `raw` leaves that out. Only the middle of the image is rendered. Writes `map_bias.csv` and prints the table
-//! for docs/decisions/map-texel.md. Takes about 10 minutes on 2 cores.
+//! differ by the map's bias and by little noise. Each round is one render at default samples: its spread is the noise
+//! that a user sees. The map is smoothed as such a render would smooth it, by a kernel chosen from 16 replicates of its
+//! own; a third argument `raw` leaves that out. Only the middle of the image is rendered. Writes `map_bias.csv` and
+//! prints the table for docs/decisions/map-texel.md. Takes about 10 minutes on 2 cores.
 
 mod statistics;
 
@@ -40,8 +40,8 @@ const RIM_PIXELS: f64 = 2.5;
 struct Row {
     scene: &'static str,
     texel_mm: f64,
-    /// Bias, and noise of one render: of the mean within 0.9 of the radius, of the ring about it, of blocks of 4 and of 16
-    /// pixels.
+    /// Bias, and noise of one render: of the mean within 0.9 of the radius, of the ring about it, of blocks of 4 and of
+    /// 16 pixels.
     regions: [(Estimate, f64); 4],
 }
 

@@ -3,8 +3,8 @@
 //!     cargo run --release --example mechanics_ladder [-- SECONDS]
 //!
 //! Prints the tables of docs/decisions/mechanics-ladders.md. Rung n divides all elements of the first into n along each
-//! axis. A ladder ends with the first rung that takes longer than SECONDS (1 if not given). Takes about 2 minutes, and the
-//! shipped phantoms at the end some more: they climb all rungs whatever the time.
+//! axis. A ladder ends with the first rung that takes longer than SECONDS (1 if not given). Takes about 2 minutes, and
+//! the shipped phantoms at the end some more: they climb all rungs whatever the time.
 
 #![allow(clippy::unwrap_used)]
 

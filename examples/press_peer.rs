@@ -3,9 +3,9 @@
 //!     cargo run --release --example press_peer -- tied --law neo-hookean --press 1 --subdivision 2
 //!     cargo run --release --example press_peer -- hertz --rung 2 --mesh out/hertz-mesh.json
 //!
-//! `tied`: a rigid plate of radius 15 mm tied to a phantom (radius 30, height 25, 5 kPa, nu 0.499) with a ball of 8 mm and
-//! 120 kPa, its top 5 mm deep. `hertz`: a rigid ball of radius 400 mm pressed without friction into a half space of 1 kPa so
-//! far that the contact's radius is 1 mm. `--mesh` writes the mesh for the other program.
+//! `tied`: a rigid plate of radius 15 mm tied to a phantom (radius 30, height 25, 5 kPa, nu 0.499) with a ball of 8 mm
+//! and 120 kPa, its top 5 mm deep. `hertz`: a rigid ball of radius 400 mm pressed without friction into a half space of
+//! 1 kPa so far that the contact's radius is 1 mm. `--mesh` writes the mesh for the other program.
 
 use anyhow::{Context as _, Result};
 use clap::{Parser, Subcommand, ValueEnum};
@@ -143,8 +143,8 @@ fn tied(setup: &Setup, estimate: bool) -> Result<(Mesh, Value)> {
     Ok((problem.mesh, figures))
 }
 
-/// Mean of the pressure on the undeformed face under the weight 1 - (r / reach)^2, kPa; linear between nodes, Simpson's rule
-/// on a hundred parts.
+/// Mean of the pressure on the undeformed face under the weight 1 - (r / reach)^2, kPa; linear between nodes, Simpson's
+/// rule on a hundred parts.
 fn middle(points: &[ContactPoint]) -> f64 {
     let rows: Vec<[f64; 2]> =
         points.iter().filter(|p| p.area_mm2 > 0.0).map(|p| [p.reference_mm[0], p.force_mn / p.area_mm2]).collect();

@@ -2,9 +2,9 @@
 //!
 //!     cargo run --release --example pressed_peer -- SCENE < points > faces
 //!
-//! Standard input: x and y of each point, mm. Standard output: for each interface from the lowest up and each point, its
-//! height (mm, the lowest undeformed face at 0) and its two slopes; then for each point the share of true contact. All are
-//! 64-bit floats of the machine.
+//! Standard input: x and y of each point, mm. Standard output: for each interface from the lowest up and each point,
+//! its height (mm, the lowest undeformed face at 0) and its two slopes; then for each point the share of true contact.
+//! All are 64-bit floats of the machine.
 
 use anyhow::{Context as _, Result};
 use std::io::{Read as _, Write as _};

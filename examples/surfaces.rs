@@ -4,8 +4,8 @@
 //!
 //! Dents in the touched face of `dent-cap`: its spherical cap, which has a crease at the rim, and Gaussians, which have
 //! none. Each is traced as a closed form (the cap), as B-spline height fields and as meshes, in alternating rounds of
-//! one process; all rounds use the same random numbers, so that images differ by the surface alone. Writes `surfaces.csv`
-//! and prints the table for docs/decisions/surfaces.md. Takes about 10 minutes on 2 cores.
+//! one process; all rounds use the same random numbers, so that images differ by the surface alone. Writes
+//! `surfaces.csv` and prints the table for docs/decisions/surfaces.md. Takes about 10 minutes on 2 cores.
 
 #[path = "surfaces/candidates.rs"]
 mod candidates;

@@ -1,15 +1,16 @@
 //! Which random numbers an image draws.
 //!
-//! A user gives one seed. The tracer and the camera's sensor each take the seed of a stream, and images whose noise must
-//! not be the same take streams of their own: a frame and its baseline, the loads of a press, the scenes of a study, the rungs of a
-//! ladder and their reference. A stream's seed is a hash (SHA-256, its first 32 bits) of the user's seed and of all that says which image
-//! it is, each part with its length before it, so that no two images give the same text. Nothing is added to a seed: then the numbers of
-//! one run would be those of its neighbour.
+//! A user gives one seed. The tracer and the camera's sensor each take the seed of a stream, and images whose noise
+//! must not be the same take streams of their own: a frame and its baseline, the loads of a press, the scenes of a
+//! study, the rungs of a ladder and their reference. A stream's seed is a hash (SHA-256, its first 32 bits) of the
+//! user's seed and of all that says which image it is, each part with its length before it, so that no two images give
+//! the same text. Nothing is added to a seed: then the numbers of one run would be those of its neighbour.
 //!
 //! Of k images two share a stream by chance in k^2 / 2^33 of all cases: 1e-4 for a thousand.
 //!
-//! Common random numbers, where they are asked for, are the user's seed itself, for every image: what two images differ by is then what
-//! their scenes differ by, and little noise (Law, *Simulation Modeling and Analysis*, chapter 11). Their noise no longer averages out.
+//! Common random numbers, where they are asked for, are the user's seed itself, for every image: what two images differ
+//! by is then what their scenes differ by, and little noise (Law, *Simulation Modeling and Analysis*, chapter 11).
+//! Their noise no longer averages out.
 
 use sha2::{Digest, Sha256};
 

@@ -19,8 +19,8 @@ pub struct Dent {
 pub const CAP: Cap = Cap { center_mm: [0.0, 0.0], depth_mm: 1.0, rim_mm: 4.0 };
 
 impl Dent {
-    /// The dents of the study. The wide Gaussian is too shallow to send light from the LEDs to the camera; the narrow one
-    /// is as steep (26 degrees) as the cap at its rim (28 degrees) and shows glints.
+    /// The dents of the study. The wide Gaussian is too shallow to send light from the LEDs to the camera; the narrow
+    /// one is as steep (26 degrees) as the cap at its rim (28 degrees) and shows glints.
     pub fn all() -> [Self; 3] {
         // Compared where it is deeper than a hundredth of its depth.
         let gaussian =
@@ -53,8 +53,8 @@ pub struct Candidate {
     pub model: Model<f64>,
 }
 
-/// Surfaces of a dent, the reference first: the cap in closed form; for the Gaussian, which the tracer has no closed form
-/// for, a height field of 1024 points, whose directions are exact to rounding.
+/// Surfaces of a dent, the reference first: the cap in closed form; for the Gaussian, which the tracer has no closed
+/// form for, a height field of 1024 points, whose directions are exact to rounding.
 pub fn candidates(dent: &Dent) -> Result<Vec<Candidate>> {
     let mut loaded = preset("dent-cap")?;
     loaded.scene.touch.shape = tirtouch::scene::Shape::Flat;

@@ -1,6 +1,6 @@
-// Looks into the tracer for the stability table: rays that start where they are told and are followed for so many steps,
-// and reflectances at given momenta. The numbers come in `led_tables`, which no LED of a probed scene uses, and go out in the
-// event rows.
+// Looks into the tracer for the stability table: rays that start where they are told and are followed for so many
+// steps, and reflectances at given momenta. The numbers come in `led_tables`, which no LED of a probed scene uses, and
+// go out in the event rows.
 
 override MAPPED: bool = false;
 override SPLATTED: bool = false;

@@ -121,7 +121,8 @@ fn launch() -> u32 {
     let up = s * cos(direction.y);
     var inward_sq = 1.0 - direction.x;
     if (AIMED) {
-        // At a given height above the level the sine of the angle seen from above is uniform: stretched onto where tissue is.
+        // At a given height above the level the sine of the angle seen from above is uniform: stretched onto where
+        // tissue is.
         let level_sq = max(1.0 - up * up, 0.0);
         let level = sqrt(level_sq);
         aside = lamp_aim_low(k) * level + 0.5 * (lamp_aim_high(k) - lamp_aim_low(k)) * (aside + level);

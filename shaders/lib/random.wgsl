@@ -26,9 +26,9 @@ fn draw() -> f32 {
 }
 
 // Uniform in [0, 1), 24 bits, and even over the paths of a seed: the coordinate with generator z of a rank-1 lattice
-// sequence (Hickernell, Hong, L'Ecuyer and Lemieux, SIAM J. Sci. Comput. 22, 1117, 2000) with a random shift (Cranley and
-// Patterson 1976). Paths (a, b) are numbered a + 2^14 b. The generators 1, 761135, 257481, 617715, 488567, 94035 were found
-// component by component for 2^10 to 2^18 points; `random.rs` tests them, and gives the shifts.
+// sequence (Hickernell, Hong, L'Ecuyer and Lemieux, SIAM J. Sci. Comput. 22, 1117, 2000) with a random shift (Cranley
+// and Patterson 1976). Paths (a, b) are numbered a + 2^14 b. The generators 1, 761135, 257481, 617715, 488567, 94035
+// were found component by component for 2^10 to 2^18 points; `random.rs` tests them, and gives the shifts.
 fn even_draw(z: u32, shift: u32) -> f32 {
     let h = path.place * z + shift;
     return f32(h >> 8u) * 5.9604644775390625e-8;

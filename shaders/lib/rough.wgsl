@@ -1,7 +1,8 @@
 // Rough interfaces. Small roughness: a share 1 - exp(-g) of the light leaves the mirror (or refracted) direction for a
-// lobe; g = (2 k n sigma cos)^2 in reflection and (k sigma (n_i cos_i - n_t cos_t))^2 in transmission (Rayleigh, Beckmann
-// and Spizzichino). The lobe is that of GGX facets, made reciprocal; what it does not return is booked as absorbed. Microfacets: GGX with visible normals (Walter et al. 2007; Heitz 2018); the energy that single
-// scattering loses to shadowing is booked as absorbed.
+// lobe; g = (2 k n sigma cos)^2 in reflection and (k sigma (n_i cos_i - n_t cos_t))^2 in transmission (Rayleigh,
+// Beckmann and Spizzichino). The lobe is that of GGX facets, made reciprocal; what it does not return is booked as
+// absorbed. Microfacets: GGX with visible normals (Walter et al. 2007; Heitz 2018); the energy that single scattering
+// loses to shadowing is booked as absorbed.
 
 const ROUGH_SMALL: u32 = 1u;
 const ROUGH_MICROFACET: u32 = 2u;

@@ -54,8 +54,8 @@ struct Run {
     pad: u32,
 }
 
-// Layers, interfaces and LEDs are read through functions such as `face_z(i)`, which the host writes into the text with the
-// scene's numbers: a chain of selects over constants, on a CPU driver 1.4 times faster overall than a gather.
+// Layers, interfaces and LEDs are read through functions such as `face_z(i)`, which the host writes into the text with
+// the scene's numbers: a chain of selects over constants, on a CPU driver 1.4 times faster overall than a gather.
 @group(0) @binding(1) var<uniform> run: Run;
 
 override DEFORMED: bool = false;

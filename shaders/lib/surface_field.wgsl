@@ -1,8 +1,8 @@
-// Smooth height fields, one per deformed interface; `field_at` gives their displacement and its gradient, relative to the
-// undeformed plane. Intersection by safe Newton: with |G''| <= K along the ray the step below never passes the first root.
-// A ray that runs along the surface gets on by steps of some micrometres then. After SAFE_STEPS they are lengthened, evenly more
-// from step to step, so that it comes across within the steps it has; where that steps over the surface it goes back and on by
-// safe steps.
+// Smooth height fields, one per deformed interface; `field_at` gives their displacement and its gradient, relative to
+// the undeformed plane. Intersection by safe Newton: with |G''| <= K along the ray the step below never passes the
+// first root. A ray that runs along the surface gets on by steps of some micrometres then. After SAFE_STEPS they are
+// lengthened, evenly more from step to step, so that it comes across within the steps it has; where that steps over the
+// surface it goes back and on by safe steps.
 
 const SAFE_STEPS: f32 = 64.0;
 const STEPPED_OVER: f32 = 1e-5;   // mm: above rounding and the safe steps' own error
@@ -32,8 +32,8 @@ fn surface_cross(i: u32, o: vec3f, p: vec3f, side: f32, t_max: f32) -> f32 {
         let over = taken > SAFE_STEPS && rise < -STEPPED_OVER && before >= -STEPPED_OVER;
         let g = max(rise, 0.0);
         let slope = side * (h.y * p.x + h.z * p.y - p.z);
-        // Leaving or along the surface the gap counts as the rounding of a height at least, and for a ray that still runs
-        // in the surface as more, up to 1e-4 mm, so that it gets on.
+        // Leaving or along the surface the gap counts as the rounding of a height at least, and for a ray that still
+        // runs in the surface as more, up to 1e-4 mm, so that it gets on.
         let least = min(1e-6 + 4e-9 * taken * taken, 1e-4);
         let gap = select(max(g, least), g, slope < 0.0);
         let root = sqrt(slope * slope + 2.0 * k * gap);

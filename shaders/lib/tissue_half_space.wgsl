@@ -1,6 +1,6 @@
-// Tissue as a half space of isotropic scatterers (Chandrasekhar, Radiative Transfer, 1960): with the cosines mu within the tissue,
-// radiance w/4 H(mu_i) H(mu_o) / (mu_i + mu_o) over that of a white Lambertian face leaves, 1 - sqrt(1 - w) H(mu_i) in all.
-// 1/H is sqrt(1 - w) plus `h_terms`, a sum that the host writes into the text.
+// Tissue as a half space of isotropic scatterers (Chandrasekhar, Radiative Transfer, 1960): with the cosines mu within
+// the tissue, radiance w/4 H(mu_i) H(mu_o) / (mu_i + mu_o) over that of a white Lambertian face leaves, 1 - sqrt(1 - w)
+// H(mu_i) in all. 1/H is sqrt(1 - w) plus `h_terms`, a sum that the host writes into the text.
 
 fn chandrasekhar_h(mu: f32) -> f32 { return 1.0 / (scene.h_floor + h_terms(mu)); }
 

@@ -1,7 +1,7 @@
 // Optical contact with tissue. A share of the touched face is in true contact: Fresnel between guide and tissue. The
 // rest is an air gap, thin against the beam and thick against the coherence length: an incoherent slab between guide
-// and tissue. Tissue (`tissue_lambertian` or `tissue_half_space`) returns a share of what enters just above the interface,
-// displaced sideways where SPREADING; what the boundary reflects back into the tissue is scattered again.
+// and tissue. Tissue (`tissue_lambertian` or `tissue_half_space`) returns a share of what enters just above the
+// interface, displaced sideways where SPREADING; what the boundary reflects back into the tissue is scattered again.
 // The walk is the same in both directions, for photons and for camera paths.
 
 @group(0) @binding(10) var<storage, read> share_grid: array<f32>;

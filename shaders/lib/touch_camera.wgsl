@@ -4,7 +4,8 @@
 
 fn tissue_reentry(mu: f32) {}
 
-// Least share of the paths that go on as reflected where a map is read: what they see may be an LED, and nothing is lost by them.
+// Least share of the paths that go on as reflected where a map is read: what they see may be an LED, and nothing is
+// lost by them.
 const REFLECTED: f32 = 0.2;
 
 // Exitance of the tissue at a point towards the cosine `mu_o`, as radiance times pi in the tissue's medium.

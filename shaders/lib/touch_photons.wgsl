@@ -22,8 +22,9 @@ fn texel(xy: vec2f) -> u32 {
     return c.y * scene.map_size.x + c.x;
 }
 
-// Light of flux `w` that entered the tissue at the cosine `mu_i` and leaves it at (x, y), connected to the pinhole through the flat
-// stack: with s = n sin constant, sum d_i s / sqrt(n_i^2 - s^2) = r is solved for s by bracketed Newton.
+// Light of flux `w` that entered the tissue at the cosine `mu_i` and leaves it at (x, y), connected to the pinhole
+// through the flat stack: with s = n sin constant, sum d_i s / sqrt(n_i^2 - s^2) = r is solved for s by bracketed
+// Newton.
 fn splat(xy: vec2f, w: f32, mu_i: f32) {
     let r = length(xy);
     let n_0 = scene.surround_n;

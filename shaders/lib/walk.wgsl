@@ -3,8 +3,8 @@
 
 // Whether this is a camera path that ends at tissue. (One that goes on into it gains nothing and takes longer.)
 override EYE: bool = false;
-// Whether this is a photon that counts at tissue only, where it can be told from above whether it may still meet any: between flat,
-// smooth faces and black walls paths run straight when seen from there.
+// Whether this is a photon that counts at tissue only, where it can be told from above whether it may still meet any:
+// between flat, smooth faces and black walls paths run straight when seen from there.
 override AIMED: bool = false;
 
 fn safe_divide(a: f32, b: f32) -> f32 { return select(a / b, FAR, b == 0.0); }
@@ -62,8 +62,8 @@ fn meet(i: u32, normal: vec3f, side: f32) -> bool {
     let b = sqrt(b_sq);
     let r = fresnel(a, b, n_sq, n_sq + dn_sq);
     let u = draw();
-    // Nothing shines below or above the stack: a path from the camera goes on with what the outer faces mirror. Only where it
-    // may come back, half of the paths leave.
+    // Nothing shines below or above the stack: a path from the camera goes on with what the outer faces mirror. Only
+    // where it may come back, half of the paths leave.
     var chance = r;
     if (EYE) {
         let top = i == scene.layer_count && side > 0.0;
@@ -212,8 +212,8 @@ fn step(curved: bool) -> u32 {
     return GOES_ON;
 }
 
-// To the next wall, exit or tissue. Layers between flat faces have a loop of their own: drivers that run a search for all
-// lanes if one needs it then run it once a passage of a curved layer, not once a segment.
+// To the next wall, exit or tissue. Layers between flat faces have a loop of their own: drivers that run a search for
+// all lanes if one needs it then run it once a passage of a curved layer, not once a segment.
 fn walk() -> u32 {
     var end = GOES_ON;
     loop {

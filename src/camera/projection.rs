@@ -116,8 +116,8 @@ impl View {
 
     /// Millimetres on the touched face per pixel, on the axis.
     ///
-    /// Off the axis it is less. For the paper's stack (60 degrees across the width, pinhole at 17.32 mm) the distance on
-    /// the face over that in the image falls by 2.4 % to the edge and 3.5 % to the corner, the length under one
+    /// Off the axis it is less. For the paper's stack (60 degrees across the width, pinhole at 17.32 mm) the distance
+    /// on the face over that in the image falls by 2.4 % to the edge and 3.5 % to the corner, the length under one
     /// pixel's step outward by 6.7 % and 9.5 %.
     pub fn mm_per_pixel(&self) -> f64 {
         self.reach_mm(0.0).map_or(0.0, |(_, slope)| slope) / self.focal_px
@@ -188,7 +188,8 @@ impl View {
         Some((r, slope))
     }
 
-    /// t = tan(theta_c) of the ray that reaches the lateral distance `r` mm: Newton, bisecting where it leaves the bracket.
+    /// t = tan(theta_c) of the ray that reaches the lateral distance `r` mm: Newton, bisecting where it leaves the
+    /// bracket.
     fn tangent_for(&self, r: f64) -> f64 {
         // The way in the surround alone gives r >= distance * t.
         let (mut low, mut high) = (0.0, r / self.distance_mm);

@@ -1,8 +1,8 @@
 //! What a pixel reads of an expected signal: mean, spread and slope of grey values, in closed form.
 //!
-//! Before rounding a pixel's grey level is taken as normal: photons are many where they matter, read noise is normal, and
-//! so is the error of a mean of many paths. Rounding and the two ends of the scale are then exact or, where the noise
-//! dithers the rounding, add a variance of 1/12 (Sheppard).
+//! Before rounding a pixel's grey level is taken as normal: photons are many where they matter, read noise is normal,
+//! and so is the error of a mean of many paths. Rounding and the two ends of the scale are then exact or, where the
+//! noise dithers the rounding, add a variance of 1/12 (Sheppard).
 
 use statrs::function::erf::erfc;
 

@@ -1,7 +1,7 @@
 //! Which exposure time would suit an image.
 //!
-//! All electrons that are expected of a pixel grow with the exposure time: signal, ambient light and dark current. So the time at
-//! which a pixel fills a given share of its well follows from one frame, saturated or not.
+//! All electrons that are expected of a pixel grow with the exposure time: signal, ambient light and dark current. So
+//! the time at which a pixel fills a given share of its well follows from one frame, saturated or not.
 
 use super::exposure::{ExposureError, expected_electrons, top_grey};
 use crate::film::Film;

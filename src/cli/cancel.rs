@@ -1,8 +1,8 @@
 //! Asking the program to stop: Ctrl-C, SIGTERM or SIGHUP.
 //!
-//! The first signal asks the work to stop at its next pause. Some work has none for minutes (a factorisation, a driver that
-//! compiles): a second later, or at a second signal, the program ends where it stands. Both ways remove what is half
-//! written, say the same line and end with exit code 3.
+//! The first signal asks the work to stop at its next pause. Some work has none for minutes (a factorisation, a driver
+//! that compiles): a second later, or at a second signal, the program ends where it stands. Both ways remove what is
+//! half written, say the same line and end with exit code 3.
 
 use super::Failure;
 use std::io::{IsTerminal as _, Write as _};

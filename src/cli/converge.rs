@@ -20,8 +20,8 @@ use std::path::PathBuf;
 
 /// Measure error against run time on ladders of settings, each against a finer reference.
 ///
-/// Light: samples and integrator, texels of the map, points of height fields, arithmetic. A scene with a press: meshes and
-/// load steps as well. Every rung is kept when it is done: `--resume` goes on where it was stopped.
+/// Light: samples and integrator, texels of the map, points of height fields, arithmetic. A scene with a press: meshes
+/// and load steps as well. Every rung is kept when it is done: `--resume` goes on where it was stopped.
 #[derive(Debug, Args)]
 pub(super) struct Converge {
     /// Scene file, or preset:NAME for a scene that comes with the program.

@@ -1,8 +1,9 @@
 //! What drivers read from the environment when they are loaded.
 //!
-//! Only a program that starts again can change it without unsafe code: another thread could be reading it. `exec` replaces the
-//! program within its process, so that who started it sees one process, its signals and its exit code. It is done first of
-//! all, and once: the new environment asks for nothing more. Where it fails, the program goes on as it was started.
+//! Only a program that starts again can change it without unsafe code: another thread could be reading it. `exec`
+//! replaces the program within its process, so that who started it sees one process, its signals and its exit code. It
+//! is done first of all, and once: the new environment asks for nothing more. Where it fails, the program goes on as it
+//! was started.
 
 /// Starts the program again where its drivers would do worse in this environment; comes back where not.
 #[cfg(target_os = "linux")]
@@ -22,8 +23,9 @@ pub(super) fn settle() {
 #[cfg(not(target_os = "linux"))]
 pub(super) fn settle() {}
 
-/// Mesa's llvmpipe works on 8 paths at once where a CPU with AVX-512 could on 16, unless it is told to. Images are the same to
-/// the last bit, in 0.6 to 0.9 of the time (docs/ERROR.md). Other drivers do not read it; what the user chose stays.
+/// Mesa's llvmpipe works on 8 paths at once where a CPU with AVX-512 could on 16, unless it is told to. Images are the
+/// same to the last bit, in 0.6 to 0.9 of the time (docs/ERROR.md). Other drivers do not read it; what the user chose
+/// stays.
 #[cfg(target_os = "linux")]
 fn wide_vectors() -> Option<(&'static str, &'static str)> {
     const WIDTH: &str = "LP_NATIVE_VECTOR_WIDTH";
@@ -34,9 +36,9 @@ fn wide_vectors() -> Option<(&'static str, &'static str)> {
     (wide && std::env::var_os(WIDTH).is_none()).then_some((WIDTH, "512"))
 }
 
-/// Mesa's layer that selects devices asks a Wayland compositor for its GPU at every start of Vulkan. Without a folder for
-/// sockets (containers, ssh, CI) libwayland writes an error each time; by an absolute name it finds no compositor in silence.
-/// (`NODEVICE_SELECT` would silence it too, and with it the user's own `MESA_VK_DEVICE_SELECT`.)
+/// Mesa's layer that selects devices asks a Wayland compositor for its GPU at every start of Vulkan. Without a folder
+/// for sockets (containers, ssh, CI) libwayland writes an error each time; by an absolute name it finds no compositor
+/// in silence. (`NODEVICE_SELECT` would silence it too, and with it the user's own `MESA_VK_DEVICE_SELECT`.)
 #[cfg(target_os = "linux")]
 fn no_compositor() -> Option<(&'static str, &'static str)> {
     let absolute = |name: &str| std::env::var_os(name).is_some_and(|value| value.as_encoded_bytes().starts_with(b"/"));

@@ -17,7 +17,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Read size, depth indicator and sum of grey values from images (PNG, TIFF, EXR); two images give a relative stiffness.
+/// Read size, depth indicator and sum of grey values from images (PNG, TIFF, EXR); two images give a relative
+/// stiffness.
 #[derive(Debug, Args)]
 pub(super) struct Estimate {
     /// The images; of two, the second is the one pressed harder.
@@ -25,8 +26,8 @@ pub(super) struct Estimate {
     images: Vec<PathBuf>,
     #[command(flatten)]
     reading: Reading,
-    /// The camera of this scene (file or preset:NAME) took the images: it exposes EXRs, taken as radiance, and gives the scale
-    /// of all.
+    /// The camera of this scene (file or preset:NAME) took the images: it exposes EXRs, taken as radiance, and gives
+    /// the scale of all.
     #[arg(long, value_name = "SCENE")]
     exposure: Option<PathBuf>,
     /// Bits of the camera whose levels lie in PNG or TIFF of 16 bits: tells what is saturated.

@@ -20,7 +20,8 @@ use std::path::PathBuf;
 pub(super) struct Inspect {
     /// Scene file, or preset:NAME for a scene that comes with the program.
     scene: PathBuf,
-    /// Measure what it gains to leave out what the scene does not need: small images with each piece and without, in turn.
+    /// Measure what it gains to leave out what the scene does not need: small images with each piece and without, in
+    /// turn.
     #[arg(long)]
     gains: bool,
     /// Rounds of that.
@@ -83,7 +84,8 @@ impl Inspect {
         let shrink = camera.size[0].max(camera.size[1]).div_ceil(most);
         camera.size = camera.size.map(|pixels| (pixels / shrink).max(1));
         camera.pixel_tan *= f64::from(shrink);
-        // No more photons than paths: the fewest that an image has by itself are for its quality, and would hide its paths here.
+        // No more photons than paths: the fewest that an image has by itself are for its quality, and would hide its
+        // paths here.
         let paths = u64::from(camera.size[0]) * u64::from(camera.size[1]) * u64::from(spp);
         let photons = Some(job.settings.photons.unwrap_or(paths).min(paths));
         let settings = Settings { spp, photons, ..job.settings.clone() };
@@ -171,8 +173,8 @@ impl Seen<'_> {
             }
             _ => 0,
         };
-        // Device: two words a sum and the count of segments beside it, and the surface, once for camera paths and once for
-        // photons. Program: what comes back, the replicate, running mean and deviation, film, picture values.
+        // Device: two words a sum and the count of segments beside it, and the surface, once for camera paths and once
+        // for photons. Program: what comes back, the replicate, running mean and deviation, film, picture values.
         [2 * (16 * pixels + 4 * control) + deposits, 64 * pixels + deposits + 8 * control]
     }
 

@@ -232,7 +232,8 @@ mod tests {
         product(a, b) / (product(a, a) * product(b, b)).sqrt()
     }
 
-    /// With seeds counted on, a baseline had 0.9 of its noise in common with the next run, and loads 0.8 with one another.
+    /// With seeds counted on, a baseline had 0.9 of its noise in common with the next run, and loads 0.8 with one
+    /// another.
     #[test]
     fn baselines_loads_and_runs_have_no_noise_in_common_unless_asked() {
         let mut job = Job::sketch(Path::new("preset:phantom-size-8mm")).unwrap();
@@ -241,7 +242,8 @@ mod tests {
         let baseline = job.baseline(true).unwrap();
         let first_load = job.at_step(0).unwrap();
         let [image, without, load] = [&job, &baseline, &first_load].map(|job| noise(job, [1, 3], Sharing::Own));
-        // Smoothing leaves some hundred independent patches in 1,728 pixels: four standard errors of a correlation of none.
+        // Smoothing leaves some hundred independent patches in 1,728 pixels: four standard errors of a correlation of
+        // none.
         let none = 4.0 / 100f64.sqrt();
         let next = noise(&job, [2, 4], Sharing::Own);
         for (name, one, other) in [

@@ -1,8 +1,9 @@
 //! The command line: one file per command.
 //!
-//! To add a command: a file with a struct of its arguments (`clap::Args`, with [`Common`] or [`Talk`] flattened in) and a
-//! `run` that returns an [`Outcome`] or a [`Failure`]; a variant of `Command`; its arm in `Command::run`. `compare` is the
-//! shortest example. Long work polls [`cancel::check`], reports to a [`Progress`] and writes into an [`OutputFolder`].
+//! To add a command: a file with a struct of its arguments (`clap::Args`, with [`Common`] or [`Talk`] flattened in) and
+//! a `run` that returns an [`Outcome`] or a [`Failure`]; a variant of `Command`; its arm in `Command::run`. `compare`
+//! is the shortest example. Long work polls [`cancel::check`], reports to a [`Progress`] and writes into an
+//! [`OutputFolder`].
 
 pub mod cancel;
 mod compare;
@@ -112,8 +113,8 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Writes `text` and a line's end to standard output, unless the user has asked to stop. A reader that has gone away is no
-/// failure.
+/// Writes `text` and a line's end to standard output, unless the user has asked to stop. A reader that has gone away is
+/// no failure.
 ///
 /// # Errors
 /// When standard output cannot be written, or on that request.

@@ -83,7 +83,8 @@ impl OutputFolder {
     /// Adds the scene's text, if there is one, and the result, puts the folder in its place and says where that is.
     ///
     /// # Errors
-    /// When the user has asked to stop, the place was taken meanwhile, or it cannot be renamed. An old folder stays then.
+    /// When the user has asked to stop, the place was taken meanwhile, or it cannot be renamed. An old folder stays
+    /// then.
     pub fn commit(self, scene: Option<&str>, result: Value) -> Result<Finished, Failure> {
         let result = described(result, Some(&self.destination));
         if let Some(text) = scene {
@@ -217,7 +218,8 @@ mod tests {
         assert_eq!(names(place.path()), ["result"]);
     }
 
-    /// Not even with --force: a folder of the user's, files put into a result, a result that was edited or holds a folder.
+    /// Not even with --force: a folder of the user's, files put into a result, a result that was edited or holds a
+    /// folder.
     #[test]
     fn a_folder_with_anything_that_was_not_written_here_is_never_replaced() {
         let place = tempfile::tempdir().unwrap();

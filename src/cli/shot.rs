@@ -89,7 +89,8 @@ impl<'a> Shot<'a> {
         })
     }
 
-    /// The frame that was measured, in false colour with what was measured, and as a relief. `less` is what was subtracted.
+    /// The frame that was measured, in false colour with what was measured, and as a relief. `less` is what was
+    /// subtracted.
     pub fn camera_pictures(&self, figures: &Figures, less: Option<&str>) -> Result<CameraPictures, Failure> {
         let raster = self.raster(figures.image.grey(), "grey level", "");
         let less = less.map_or_else(String::new, |name| format!(" less {name}"));
@@ -264,8 +265,8 @@ pub(super) fn note_exposure(suited: &Suited, exposure_ms: f64, quiet: bool) {
     }
 }
 
-/// Logarithmic where a few pixels (glints) are far brighter than the hundredth brightest and dimmer ones lie more than a
-/// decade below: on a linear scale the glints alone would show.
+/// Logarithmic where a few pixels (glints) are far brighter than the hundredth brightest and dimmer ones lie more than
+/// a decade below: on a linear scale the glints alone would show.
 fn scale_of(values: &[f64]) -> ColorScale {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -27,7 +27,8 @@ pub(super) struct Stability {
     /// Replace the folder, if this program wrote all that it holds.
     #[arg(long)]
     force: bool,
-    /// What is checked: the CPU twin, and the GPU where there is one (auto), the GPU or fail (gpu), the twin alone (cpu).
+    /// What is checked: the CPU twin, and the GPU where there is one (auto), the GPU or fail (gpu), the twin alone
+    /// (cpu).
     #[arg(long, value_enum, default_value_t)]
     backend: Backend,
     #[command(flatten)]

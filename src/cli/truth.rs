@@ -111,7 +111,8 @@ impl Truth {
 }
 
 impl Held {
-    /// Diameter of a circle of the same area as the ellipse of its widths along x and y, mm: that of a sphere is its own.
+    /// Diameter of a circle of the same area as the ellipse of its widths along x and y, mm: that of a sphere is its
+    /// own.
     fn size_mm(&self) -> f64 {
         (self.widths_mm[0] * self.widths_mm[1]).sqrt()
     }

@@ -238,8 +238,8 @@ impl Subject<'_> {
         Ok(self.render(choice, Role::Reference, observe)?.film)
     }
 
-    /// Renders a rung, each time with random numbers of its own, and compares it: over the lit pixels, and where tissue touches over the softly
-    /// lit ones too. Empty where the reference is dark.
+    /// Renders a rung, each time with random numbers of its own, and compares it: over the lit pixels, and where tissue
+    /// touches over the softly lit ones too. Empty where the reference is dark.
     pub fn measure(
         &self,
         choice: &Choice,

@@ -8,8 +8,8 @@ use crate::mechanics::press::error_estimate::difference;
 use crate::mechanics::press::{ContactPoint, Load, PressError, PressSettings, PressStage, Setup, press};
 use serde::{Deserialize, Serialize};
 
-/// Order of what the singular edge of a contact spoils: the force, and the pressure that it sends inwards. An error of the
-/// finest rung leaves 1/r of it in a reference that is `r` times as fine (docs/PHYSICS.md, error of the pressure).
+/// Order of what the singular edge of a contact spoils: the force, and the pressure that it sends inwards. An error of
+/// the finest rung leaves 1/r of it in a reference that is `r` times as fine (docs/PHYSICS.md, error of the pressure).
 const EDGE_ORDER: f64 = 1.0;
 /// Names of the two errors.
 const QUANTITIES: [(&str, &str); 2] = [("force", "force"), ("pressure", "pressure, rms over 0.8 of the footprint")];
@@ -159,8 +159,8 @@ fn differences(setup: &Setup, found: &Reached, reference: &Reached) -> [f64; 2] 
     [found.force_n / reference.force_n - 1.0, difference(setup, &found.points, &reference.points)]
 }
 
-/// The rungs of force and pressure, at the highest load that all of a family reached. The reference of a mesh is off by what
-/// the finest rung's error leaves of it; that of load steps is the same mesh, exact to the solver.
+/// The rungs of force and pressure, at the highest load that all of a family reached. The reference of a mesh is off by
+/// what the finest rung's error leaves of it; that of load steps is the same mesh, exact to the solver.
 pub fn rungs(all: &[(Choice, Found)]) -> Vec<Rung> {
     let mut rungs = Vec::new();
     for family in [MESH, ORDER, LOADS] {

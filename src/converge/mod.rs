@@ -1,9 +1,9 @@
 //! Error against run time: ladders of settings, each rung against an independent, finer reference.
 //!
-//! Light: a rung is rendered several times with seeds of its own. The mean square difference to the reference over the lit
-//! pixels, less what the reference's own noise adds to it, is the rung's error, noise and bias together. Mechanics: a rung
-//! is a mesh or a number of load steps, its error the difference to a finer mesh, and the interval what that mesh itself may
-//! be off by.
+//! Light: a rung is rendered several times with seeds of its own. The mean square difference to the reference over the
+//! lit pixels, less what the reference's own noise adds to it, is the rung's error, noise and bias together. Mechanics:
+//! a rung is a mesh or a number of load steps, its error the difference to a finer mesh, and the interval what that
+//! mesh itself may be off by.
 
 pub mod light;
 pub mod mechanics;

@@ -14,8 +14,8 @@ pub fn is_lit(film: &Film) -> Vec<bool> {
     film.mean.iter().map(|&mean| mean > 0.3 * percentile).collect()
 }
 
-/// Which pixels are lit softly: above 0.3 of the 90th percentile and at most three times the median of those. What is left
-/// out are glints, whose edges within a pixel hide all else.
+/// Which pixels are lit softly: above 0.3 of the 90th percentile and at most three times the median of those. What is
+/// left out are glints, whose edges within a pixel hide all else.
 pub fn is_soft(film: &Film) -> Vec<bool> {
     let mut sorted = film.mean.clone();
     sorted.sort_by(f32::total_cmp);
@@ -65,8 +65,8 @@ impl ErrorEstimate {
     }
 }
 
-/// Which rungs no other beats in both time and error; rungs of one quantity compete, by the upper end of an error that is not
-/// told from 0.
+/// Which rungs no other beats in both time and error; rungs of one quantity compete, by the upper end of an error that
+/// is not told from 0.
 pub fn pareto(rungs: &[&Rung]) -> Vec<bool> {
     let beats = |a: &Rung, b: &Rung| {
         let errors = [a, b].map(|rung| rung.error.bound());
@@ -76,7 +76,8 @@ pub fn pareto(rungs: &[&Rung]) -> Vec<bool> {
     rungs.iter().map(|rung| !rungs.iter().any(|other| beats(other, rung))).collect()
 }
 
-/// Slope of error against time in logarithms, by least squares over errors that are told from 0; `None` of fewer than two apart.
+/// Slope of error against time in logarithms, by least squares over errors that are told from 0; `None` of fewer than
+/// two apart.
 pub fn fitted_slope(rungs: &[&Rung]) -> Option<f64> {
     let points = rungs.iter().filter(|r| r.error.low > 0.0 && r.seconds > 0.0);
     let points: Vec<[f64; 2]> = points.map(|r| [r.seconds.ln(), r.error.value.ln()]).collect();

@@ -140,7 +140,8 @@ impl Calibration {
 }
 
 impl ForceTable {
-    /// A table of (sum of grey values, force in N); both must be finite, sums rising, forces 0 or more and never falling.
+    /// A table of (sum of grey values, force in N); both must be finite, sums rising, forces 0 or more and never
+    /// falling.
     ///
     /// # Errors
     /// Says what is wrong with the rows.

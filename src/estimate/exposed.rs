@@ -1,4 +1,5 @@
-//! A simulated frame with what is known of its noise: of the camera, pixel by pixel, and of the light, replicate by replicate.
+//! A simulated frame with what is known of its noise: of the camera, pixel by pixel, and of the light, replicate by
+//! replicate.
 
 use crate::camera::{ExposureError, Response, Signal, expected_electrons};
 use crate::film::{Film, Group};
@@ -111,10 +112,10 @@ impl<'a> Exposed<'a> {
         self.signal(pixel).mean - self.dark.mean
     }
 
-    /// What is made of the light of a pixel that few paths brought. `respond` says it for the light as it is, moved by so many
-    /// grey levels. The light's share of the variance is that of leaving out one group of replicates at a time (the jackknife,
-    /// which errs to the safe side: Efron and Stein 1981), the slope the line through those values: no less than the share
-    /// that follows the line, the rest is the pixel's own.
+    /// What is made of the light of a pixel that few paths brought. `respond` says it for the light as it is, moved by
+    /// so many grey levels. The light's share of the variance is that of leaving out one group of replicates at a time
+    /// (the jackknife, which errs to the safe side: Efron and Stein 1981), the slope the line through those values: no
+    /// less than the share that follows the line, the rest is the pixel's own.
     pub(super) fn of_few_paths(&self, pixel: usize, respond: impl Fn(f64) -> Response) -> Response {
         let found = respond(0.0);
         let total: f64 = self.groups().iter().map(|group| f64::from(group.replicates)).sum();

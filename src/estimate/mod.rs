@@ -36,8 +36,9 @@ pub struct Estimates {
 }
 
 impl Estimates {
-    /// Without a model of how an inclusion shows in the image. The paper's figures are no such model: the lit area holds all
-    /// that glows, which is wider than what presses, its depth indicator is a grey value and its stiffness relative.
+    /// Without a model of how an inclusion shows in the image. The paper's figures are no such model: the lit area
+    /// holds all that glows, which is wider than what presses, its depth indicator is a grey value and its stiffness
+    /// relative.
     pub fn without_model() -> Self {
         let undefined = |why: &str| Value::undefined(format!("no calibrated model: {why}"));
         Self {

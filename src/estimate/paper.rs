@@ -13,8 +13,8 @@
 //!   if the edge crossed it at random; discs at random places show 0.07.
 //! - Xc, Yc, h, M: independent noise of `noise_grey` in every pixel, two standard deviations.
 //!
-//! Of a simulated frame ([`measure`]) they hold the mean of the figure over seeds, of light and camera together, 95 % of the
-//! time: see `spread.rs`. `examples/coverage.rs` measures that.
+//! Of a simulated frame ([`measure`]) they hold the mean of the figure over seeds, of light and camera together, 95 %
+//! of the time: see `spread.rs`. `examples/coverage.rs` measures that.
 
 use super::exposed::Exposed;
 use super::image::GreyImage;

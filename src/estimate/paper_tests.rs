@@ -68,7 +68,8 @@ fn size_grows_with_brightness() {
 
 #[test]
 fn centroid_of_an_unclipped_gaussian_is_exact_to_a_millionth_of_a_pixel() {
-    // Cut at 7 sigma (2e-11 of the peak) and sampled at 7 points per sigma (aliasing e^-(2 pi^2 49)): both far below 1e-6.
+    // Cut at 7 sigma (2e-11 of the peak) and sampled at 7 points per sigma (aliasing e^-(2 pi^2 49)): both far below
+    // 1e-6.
     for (cx, cy) in [(80.0, 60.0), (77.123, 62.877), (83.5, 57.25)] {
         let got = estimate(&gaussian(180.0, 7.0, cx, cy), &Settings::default());
         let [x, y] = point(&got.centroid_px);

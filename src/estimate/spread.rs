@@ -1,22 +1,22 @@
 //! How far the figures of a simulated image vary from seed to seed: what their intervals are made of.
 //!
-//! A figure T follows its pixels: dT = sum_i a_i df_i, where f_i is what pixel i gives to it (its grey value, or whether it
-//! is lit) and a_i says how much that counts. The signal of a pixel before rounding is normal, of variance c + l by camera
-//! and light; f_i' is the slope of the mean of f_i against the signal's. Then
+//! A figure T follows its pixels: dT = sum_i a_i df_i, where f_i is what pixel i gives to it (its grey value, or
+//! whether it is lit) and a_i says how much that counts. The signal of a pixel before rounding is normal, of variance c
+//! + l by camera and light; f_i' is the slope of the mean of f_i against the signal's. Then
 //!
 //! ```text
 //! var T = sum_ij a_i a_j f_i' f_j' L_ij  +  sum_i a_i^2 (var f_i - f_i'^2 l_i)
 //! ```
 //!
-//! with L the covariance of the light between pixels. The first sum needs no model of it: it is the variance of the mean of
-//! one number a group of replicates, the sum of a_i f_i' over the group's deviation. Freedom: groups less one. The second
-//! is known: cameras' noise is independent from pixel to pixel, and it makes the light's own share right where f is a step
-//! and the light's noise crosses it (a jackknife of a count is wrong there: Miller 1974). It is never negative
-//! (Cacoullos 1982: var f >= f'^2 var). What is neglected is of second order in the correlation of pairs of pixels. Parts
-//! of different freedom are joined by Satterthwaite's rule (1946).
+//! with L the covariance of the light between pixels. The first sum needs no model of it: it is the variance of the
+//! mean of one number a group of replicates, the sum of a_i f_i' over the group's deviation. Freedom: groups less one.
+//! The second is known: cameras' noise is independent from pixel to pixel, and it makes the light's own share right
+//! where f is a step and the light's noise crosses it (a jackknife of a count is wrong there: Miller 1974). It is never
+//! negative (Cacoullos 1982: var f >= f'^2 var). What is neglected is of second order in the correlation of pairs of
+//! pixels. Parts of different freedom are joined by Satterthwaite's rule (1946).
 //!
-//! Where few paths brought a pixel's light it is not normal: there f_i' and var f_i are those of leaving out one group at a
-//! time (`exposed.rs`).
+//! Where few paths brought a pixel's light it is not normal: there f_i' and var f_i are those of leaving out one group
+//! at a time (`exposed.rs`).
 
 use super::exposed::{Exposed, of_few_paths};
 use super::image::GreyImage;
@@ -75,8 +75,8 @@ pub(super) struct Spread {
 
 /// Figures that are sums over pixels: M, both moments about the centroid over M, lit pixels, pixels lit by noise alone.
 const SUMS: usize = 5;
-/// Half the window in which the slope of the image at the centroid is fitted, pixels: at least, and in standard errors of
-/// the centroid.
+/// Half the window in which the slope of the image at the centroid is fitted, pixels: at least, and in standard errors
+/// of the centroid.
 const SLOPE_WINDOW: (f64, f64) = (2.0, 2.0);
 /// Terms of the series for bilinear weights at a place that is not known well; what is left out is below 0.004.
 const SERIES: u32 = 50;
@@ -219,8 +219,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a pixel is lit whose light few paths brought, in the frame or in the reference, with the slopes by the signals of
-    /// both; `None` where many did in both.
+    /// Whether a pixel is lit whose light few paths brought, in the frame or in the reference, with the slopes by the
+    /// signals of both; `None` where many did in both.
     fn of_few_paths(&self, pixel: usize, level: f64) -> Option<(Response, [f64; 2])> {
         let few = [0, 1].map(|which| self.exposed(which).filter(|one| one.is_of_few_paths(pixel)));
         if few.iter().all(Option::is_none) {
@@ -258,8 +258,8 @@ impl Reader<'_> {
         (squares / (freedom * total), freedom)
     }
 
-    /// Variance of h: of the four pixels about the centroid, and of the centroid on the slope of the image. None where these pixels'
-    /// light is not known well enough for one; a reference may be dark there.
+    /// Variance of h: of the four pixels about the centroid, and of the centroid on the slope of the image. None where
+    /// these pixels' light is not known well enough for one; a reference may be dark there.
     fn h(&self, place: [f64; 2], centroid: [Variance; 2], projected: &[Vec<[f64; SUMS]>; 2]) -> Option<Variance> {
         let errors = centroid.map(|variance| variance.total().sqrt());
         let slope = self.slope_at(place, errors);
@@ -340,8 +340,8 @@ fn sums_of_group(
     sums
 }
 
-/// Mean of w^2 + (1 - w)^2, w the share of a place between two pixel centres, over places of a normal error: from 1 on a
-/// centre to 1/2 between two, and 2/3 for a place that is not known to a pixel (its Fourier series).
+/// Mean of w^2 + (1 - w)^2, w the share of a place between two pixel centres, over places of a normal error: from 1 on
+/// a centre to 1/2 between two, and 2/3 for a place that is not known to a pixel (its Fourier series).
 fn bilinear_square(place: f64, error: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     let term = |k: u32| {

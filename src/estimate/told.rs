@@ -10,7 +10,8 @@ const NOISE_SHARE: f64 = 0.05;
 /// Share of the frame beyond which what is lit is no spot in it.
 const MOST: f64 = 0.5;
 
-/// Says so where `lit` pixels are no more than noise lights: `expected` on average, with the given variance of their number.
+/// Says so where `lit` pixels are no more than noise lights: `expected` on average, with the given variance of their
+/// number.
 ///
 /// Their number is taken as quasi-Poisson: a Poisson number of clusters of variance/mean pixels each, so
 /// P(number >= n) = P(n/c, mean/c), the regularised incomplete gamma function.
@@ -38,9 +39,9 @@ pub(super) fn most_of_the_frame(lit: usize, pixels: usize) -> Option<String> {
     })
 }
 
-/// Says so where lit pixels lie scattered, as noise of independent pixels would have them: for images whose noise is not
-/// known. Compared is the number of neighbouring pairs that are both lit with that of as many pixels in a random order
-/// (join counts; Moran 1948).
+/// Says so where lit pixels lie scattered, as noise of independent pixels would have them: for images whose noise is
+/// not known. Compared is the number of neighbouring pairs that are both lit with that of as many pixels in a random
+/// order (join counts; Moran 1948).
 pub fn scattered(image: &GreyImage, threshold_grey: f64) -> Option<String> {
     let (width, height) = (image.width(), image.height());
     let lit: Vec<bool> = image.grey().iter().map(|grey| *grey > threshold_grey).collect();
@@ -80,7 +81,8 @@ mod tests {
     #[test]
     fn noise_is_scattered_and_a_spot_is_not() {
         let said = |offset, spot| (0..200).filter(|&seed| scattered(&image(offset, spot, seed), 5.0).is_some()).count();
-        // Four standard deviations one-sided is 3e-5; of rare pixels two pairs beyond expectation are 1e-3: none or two of 200.
+        // Four standard deviations one-sided is 3e-5; of rare pixels two pairs beyond expectation are 1e-3: none or two
+        // of 200.
         assert!(said(6.0, 0.0) >= 199 && said(0.0, 0.0) >= 198, "{} {}", said(6.0, 0.0), said(0.0, 0.0));
         assert_eq!(said(0.0, 10.0), 0);
         assert_eq!(said(3.0, 10.0), 0);

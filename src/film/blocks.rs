@@ -216,8 +216,8 @@ impl Film {
         self
     }
 
-    /// For each edge an image in which every pixel has the variance of its block. Where blocks are unknown, pixels count as
-    /// independent.
+    /// For each edge an image in which every pixel has the variance of its block. Where blocks are unknown, pixels
+    /// count as independent.
     pub(crate) fn block_variance_images(&self) -> Vec<Vec<f32>> {
         if self.blocks.len() != EDGES.len() {
             return self.clone().with_independent_blocks().block_variance_images();

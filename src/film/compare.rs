@@ -13,13 +13,13 @@
 //! - A cell that is dark in both films agrees and is not counted. One that is dark in one film gets the variance its
 //!   expected light would have had there, by the same weight.
 //! - The standard error has a floor, [`ROUNDING`] of the radiance: two f32 tracers differ by that much without noise.
-//! - A pixel that a border of light crosses may have all its few samples on one side: its variance is at least what that leaves
-//!   open (`cells.rs`).
+//! - A pixel that a border of light crosses may have all its few samples on one side: its variance is at least what
+//!   that leaves open (`cells.rs`).
 //! - Neighbours may be correlated: the largest deviate stays conservative then, and the sum of squares is judged by the
 //!   chi-square that has its mean, variance and skewness (Hall 1983; Buckley and Eagleson 1988). These follow from how
 //!   much the cells of both films move together ([`super::Correlation`]), dim cells counted as bright ones.
-//! - Each level says the smallest change it could have seen, and films of the same random numbers are compared replicate
-//!   by replicate as well (`paired.rs`).
+//! - Each level says the smallest change it could have seen, and films of the same random numbers are compared
+//!   replicate by replicate as well (`paired.rs`).
 
 pub(super) mod cells;
 mod exact;
@@ -137,8 +137,8 @@ pub struct LevelTest {
     pub p_value: f64,
     /// Whether that chance is above the level's share of the family-wise level.
     pub passed: bool,
-    /// The relative brightening of a single cell, of median noise, that would have been called different in 90 of 100 cases; its
-    /// noise grows with it. None where no cell was tested, or no brightening would be seen.
+    /// The relative brightening of a single cell, of median noise, that would have been called different in 90 of 100
+    /// cases; its noise grows with it. None where no cell was tested, or no brightening would be seen.
     #[serde(serialize_with = "or_undefined")]
     pub smallest_change: Option<f64>,
     /// That cell's place, row-major from 0.
@@ -203,7 +203,8 @@ fn judge(a: &Film, b: &Film, level: f64, paired: Option<Paired>) -> Result<Compa
 struct Side<'a> {
     film: Cow<'a, Film>,
     name: &'static str,
-    /// Samples a pixel, and the least variances that borders of light leave to pixels; none where nothing is known of them.
+    /// Samples a pixel, and the least variances that borders of light leave to pixels; none where nothing is known of
+    /// them.
     samples: f64,
     borders: Vec<f32>,
 }
@@ -352,7 +353,8 @@ impl Level {
         self.correlation.pairs.powi(3) / self.correlation.triples.powi(2)
     }
 
-    /// Its value as far above its mean, in standard deviations, as the mean square is: that has the variance 2 tr P^2 / n^2.
+    /// Its value as far above its mean, in standard deviations, as the mean square is: that has the variance 2 tr P^2 /
+    /// n^2.
     fn chi_square(&self, mean_square: f64) -> f64 {
         let dof = self.degrees_of_freedom();
         dof + (mean_square - 1.0) * (dof / self.correlation.pairs).sqrt()
@@ -365,10 +367,11 @@ impl Level {
         cells.get(cells.len() / 2).copied()
     }
 
-    /// By the largest deviate, in the cell of median noise. A cell that is picked by its error has one that is too small where
-    /// few paths bring light, so each film's error is that of the cells that the other film picks. Brighter light is noisier:
-    /// of the relative variances u and v of both films, d^2 = k^2 (u + (1 + d)^2 v + b (s + d)^2) with k standard errors and b for
-    /// the border that it looks like, beside the step s from its neighbours that there is. None: no change is seen.
+    /// By the largest deviate, in the cell of median noise. A cell that is picked by its error has one that is too
+    /// small where few paths bring light, so each film's error is that of the cells that the other film picks. Brighter
+    /// light is noisier: of the relative variances u and v of both films, d^2 = k^2 (u + (1 + d)^2 v + b (s + d)^2)
+    /// with k standard errors and b for the border that it looks like, beside the step s from its neighbours that there
+    /// is. None: no change is seen.
     fn smallest_change(&self, share: f64) -> Option<f64> {
         let each = match self.cells.len() {
             0 | 1 => share,

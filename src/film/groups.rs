@@ -1,8 +1,9 @@
 //! Images of a few groups of replicates: what any figure of an image needs to know its own error.
 //!
-//! A variance per pixel does not say how neighbours move together. The figures of an image (sums, centroids, areas above a
-//! threshold) leave out one group at a time and take the spread (the jackknife, Tukey 1958): no model of the correlation is
-//! needed. Replicates fill at most [`MOST_GROUPS`] groups; when these are full, neighbours are joined, so memory is bounded.
+//! A variance per pixel does not say how neighbours move together. The figures of an image (sums, centroids, areas
+//! above a threshold) leave out one group at a time and take the spread (the jackknife, Tukey 1958): no model of the
+//! correlation is needed. Replicates fill at most [`MOST_GROUPS`] groups; when these are full, neighbours are joined,
+//! so memory is bounded.
 
 /// Most groups kept. 16 to 31 replicates are the rule, and each is then a group of its own.
 pub const MOST_GROUPS: usize = 32;

@@ -37,8 +37,8 @@ pub struct Film {
     /// Means over blocks of pixels and their variances, for the edges of [`blocks::EDGES`] in that order.
     /// Empty: unknown, and pixels count as independent.
     pub blocks: Vec<BlockLevel>,
-    /// Mean images of a few groups of replicates, from which a figure of the image takes its own error. Empty: unknown (a file keeps
-    /// none).
+    /// Mean images of a few groups of replicates, from which a figure of the image takes its own error. Empty: unknown
+    /// (a file keeps none).
     pub groups: Vec<Group>,
     /// How much pixels and blocks move together. Empty: unknown, and they count as independent.
     pub correlation: Vec<Correlation>,

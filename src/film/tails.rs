@@ -51,8 +51,8 @@ pub(super) fn two_sided_quantile(p: f64, freedom: f64) -> f64 {
     high
 }
 
-/// How many standard errors a difference must have to exceed the deviate of `p` in 90 of 100 cases: the noncentral t by its normal
-/// approximation (Johnson and Welch 1940).
+/// How many standard errors a difference must have to exceed the deviate of `p` in 90 of 100 cases: the noncentral t by
+/// its normal approximation (Johnson and Welch 1940).
 pub(super) fn seen_in_90_percent(p: f64, freedom: f64) -> f64 {
     const NORMAL_90: f64 = 1.281_551_565_544_6;
     let deviate = two_sided_quantile(p, freedom);

@@ -56,8 +56,8 @@ impl GreyImage {
     }
 }
 
-/// Reads a grey image. Colour becomes luma and transparency is dropped; of an EXR the channel `mean`, else `Y`, else the
-/// first one is taken.
+/// Reads a grey image. Colour becomes luma and transparency is dropped; of an EXR the channel `mean`, else `Y`, else
+/// the first one is taken.
 ///
 /// # Errors
 /// When the file is missing, damaged, too large, of another format, or holds a value that is not finite.

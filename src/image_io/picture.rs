@@ -8,7 +8,8 @@ use std::path::Path;
 /// Writes grey levels, row-major, as a PNG of 8 or 16 bits.
 ///
 /// # Errors
-/// When the number of levels is not width times height, a level or the depth does not fit, or the file cannot be written.
+/// When the number of levels is not width times height, a level or the depth does not fit, or the file cannot be
+/// written.
 pub fn write_png_grey(path: &Path, width: u32, height: u32, levels: &[u16], bit_depth: u32) -> Result<(), ImageError> {
     let unsupported = |reason: String| ImageError::Unsupported { path: path.into(), reason };
     match bit_depth {

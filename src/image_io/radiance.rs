@@ -1,8 +1,9 @@
 //! `radiance.exr`: a film and where it comes from.
 //!
 //! One part of linear 32-bit float channels: `mean` and `variance` (of the mean), and for the edges of
-//! [`crate::film::blocks::EDGES`] what the mean over the block of a pixel varies by, which neighbours that share photons
-//! make more than their sum. One string attribute `tirtouch` of JSON. The exr crate writes attributes in hash order, so there is only one: equal films give equal bytes.
+//! [`crate::film::blocks::EDGES`] what the mean over the block of a pixel varies by, which neighbours that share
+//! photons make more than their sum. One string attribute `tirtouch` of JSON. The exr crate writes attributes in hash
+//! order, so there is only one: equal films give equal bytes.
 
 use super::exr_chunks::with_exr;
 use super::exr_header::PROVENANCE;
@@ -51,7 +52,8 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// Whether both images come from the same random numbers, replicate by replicate: of one seed, and with the same work.
+    /// Whether both images come from the same random numbers, replicate by replicate: of one seed, and with the same
+    /// work.
     #[must_use]
     pub fn shares_random_numbers(&self, other: &Self) -> bool {
         let stream = |image: &Self| (image.stream.is_some(), image.stream.unwrap_or(image.seed));
@@ -71,7 +73,8 @@ pub fn write_radiance(path: &Path, film: &Film, provenance: &Provenance) -> std:
     write_radiance_as(path, film, &film.variance, provenance)
 }
 
-/// Writes `film` with other variances in the file: of pixels without light, what bounds the light that was missed there.
+/// Writes `film` with other variances in the file: of pixels without light, what bounds the light that was missed
+/// there.
 ///
 /// # Errors
 /// As [`write_radiance`].
@@ -121,8 +124,8 @@ pub fn write_radiance_as(
     limits::write_file(path, bytes.get_ref())
 }
 
-/// Reads a film, with the variances that its replicates had, from a `radiance.exr`, or from a folder of `mean.exr` and `variance.exr` (variance of the mean), each of
-/// one channel.
+/// Reads a film, with the variances that its replicates had, from a `radiance.exr`, or from a folder of `mean.exr` and
+/// `variance.exr` (variance of the mean), each of one channel.
 ///
 /// # Errors
 /// When a file is missing, damaged, too large, lacks a channel or holds a value that is not finite.

@@ -1,7 +1,8 @@
-//! What the directories of a TIFF say, for what its decoder passes over in silence: further pages, and the kind of sample.
+//! What the directories of a TIFF say, for what its decoder passes over in silence: further pages, and the kind of
+//! sample.
 //!
-//! TIFF 6.0, section 2: a header of byte order, 42 and the place of the first directory; a directory is a count of entries of 12
-//! bytes and the place of the next. BigTIFF has 43, places of 8 bytes and entries of 20.
+//! TIFF 6.0, section 2: a header of byte order, 42 and the place of the first directory; a directory is a count of
+//! entries of 12 bytes and the place of the next. BigTIFF has 43, places of 8 bytes and entries of 20.
 
 /// Tag `SampleFormat`; its value 3 is floating point.
 const SAMPLE_FORMAT: u64 = 339;

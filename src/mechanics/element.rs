@@ -1,9 +1,9 @@
 //! The element: biquadratic or triquadratic displacement, discontinuous linear pressure (Q2/P-1).
 //!
-//! Displacement and geometry share the 3^dim Lagrange functions on the lattice {-1, 0, 1}. The pressure is linear in the
-//! reference coordinates of space, not of the element, which keeps its order on distorted elements (Boffi and Gastaldi
-//! 2002, Numer. Math. 92, 23). The pair is stable at the incompressible limit (Girault and Raviart 1986). So is that with
-//! constant pressures, but of lower order.
+//! Displacement and geometry share the 3^dim Lagrange functions on the lattice {-1, 0, 1}. The pressure is linear in
+//! the reference coordinates of space, not of the element, which keeps its order on distorted elements (Boffi and
+//! Gastaldi 2002, Numer. Math. 92, 23). The pair is stable at the incompressible limit (Girault and Raviart 1986). So
+//! is that with constant pressures, but of lower order.
 
 use std::sync::LazyLock;
 

@@ -1,14 +1,14 @@
 //! An order of elimination that keeps the factor of a stiffness matrix small: nested dissection (George 1973, SIAM J.
 //! Numer. Anal. 10, 345) of the elements rather than of the graph.
 //!
-//! Elements are sorted along a direction and cut in two; the nodes that both parts share separate them and come last. The
-//! cut is taken along the direction and at the place where it shares the fewest nodes. In a mesh of blocks that is a layer
-//! of faces, a single node thick.
+//! Elements are sorted along a direction and cut in two; the nodes that both parts share separate them and come last.
+//! The cut is taken along the direction and at the place where it shares the fewest nodes. In a mesh of blocks that is
+//! a layer of faces, a single node thick.
 
 /// Directions along which cuts are sought in the plane: its axes.
 const PLANE: usize = 2;
-/// In space: the axes, the diagonals in plan, the distance from the axis and the angle around it. Against the axes alone the
-/// last four take a third of the work from the factor of a quarter of a round phantom.
+/// In space: the axes, the diagonals in plan, the distance from the axis and the angle around it. Against the axes
+/// alone the last four take a third of the work from the factor of a quarter of a round phantom.
 const SPACE: usize = 7;
 
 /// Least share of the elements on either side of a cut.
@@ -26,7 +26,8 @@ fn along(direction: usize, x: [f64; 3]) -> f64 {
     }
 }
 
-/// The nodes in their order of elimination, each once. `groups` are the nodes of each element, `positions` those of all nodes.
+/// The nodes in their order of elimination, each once. `groups` are the nodes of each element, `positions` those of all
+/// nodes.
 pub fn nested_dissection(groups: &[Vec<u32>], positions: &[[f64; 3]]) -> Vec<u32> {
     let middle = |group: &Vec<u32>| {
         let mut sum = [0.0; 3];

@@ -46,13 +46,14 @@ const GROWTH: [f64; 2] = [2.0, 1.25];
 const RUBBING_STEPS: f64 = 10.0;
 /// First step of faces that slide, as a share of the longest: all of the face is then still to find.
 const FIRST: f64 = 0.25;
-/// Steps, as a share of the longest asked one, that are tried with damping where they fail without. Longer ones are halved.
+/// Steps, as a share of the longest asked one, that are tried with damping where they fail without. Longer ones are
+/// halved.
 const DAMPED_STEP: f64 = 0.13;
 /// What few iterations are.
 const EASY: usize = 6;
 
-/// Follows the loads (increasing factors) to the last. Each step starts from the line through the last two states; where
-/// it fails, it is halved. `observe` hears the present load factor and may stop the work.
+/// Follows the loads (increasing factors) to the last. Each step starts from the line through the last two states;
+/// where it fails, it is halved. `observe` hears the present load factor and may stop the work.
 ///
 /// # Errors
 /// [`PathError`].

@@ -23,7 +23,8 @@ pub struct Problem {
     pub forces: Vec<(u32, [f64; 3])>,
     /// Contacts.
     pub contacts: Vec<Contact>,
-    /// Time in which the load factor grows by 1, s; `None`: so slow that all is relaxed. Matters to relaxing materials only.
+    /// Time in which the load factor grows by 1, s; `None`: so slow that all is relaxed. Matters to relaxing materials
+    /// only.
     pub seconds_per_load: Option<f64>,
 }
 
@@ -47,8 +48,8 @@ pub struct State {
     pub displacement: Vec<[f64; 3]>,
     /// Pressure coefficients, [`Problem::pressures`] an element, kPa; tension positive.
     pub pressure: Vec<f64>,
-    /// Traction at each touched node of each contact, kPa of the undeformed face: (normal pressure, 0, 0) and tangential
-    /// traction; bonded faces hold the whole vector in the second.
+    /// Traction at each touched node of each contact, kPa of the undeformed face: (normal pressure, 0, 0) and
+    /// tangential traction; bonded faces hold the whole vector in the second.
     pub traction: Vec<Vec<Traction>>,
     /// Memory of the relaxing materials, by element and quadrature point; empty for elastic ones.
     pub history: Vec<Vec<History>>,

@@ -174,9 +174,9 @@ pub fn nodal_pressure(problem: &Problem, state: &State) -> Vec<f64> {
     sums.iter().map(|[sum, size]| sum / size).collect()
 }
 
-/// Jump of the discontinuous pressure between neighbours of one region, rms over the shared faces' middles, as a share of
-/// the rms spread of the pressure. It falls with the square of the element size; a checkerboard has 2. 0 in a uniform
-/// state.
+/// Jump of the discontinuous pressure between neighbours of one region, rms over the shared faces' middles, as a share
+/// of the rms spread of the pressure. It falls with the square of the element size; a checkerboard has 2. 0 in a
+/// uniform state.
 pub fn pressure_jump(problem: &Problem, state: &State) -> f64 {
     let mesh = &problem.mesh;
     let dim = problem.kinematics.dim();

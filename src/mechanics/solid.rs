@@ -1,9 +1,9 @@
 //! One element's forces, volume balance and tangent stiffness.
 //!
-//! Stationary point of  int W_iso(F) + p (J - 1) - p^2 / (2 kappa) dV  over displacement and pressure; for the linear law
-//! J - 1 is replaced by the trace of the strain. The pressure lives in one element, so it is condensed there. At the
-//! incompressible limit the pressure block vanishes; the *tangent* then keeps a small compressibility 1 / (1e4 mu), the
-//! *residual* does not: Newton's steps reach the exact solution, a thousandfold closer each time.
+//! Stationary point of  int W_iso(F) + p (J - 1) - p^2 / (2 kappa) dV  over displacement and pressure; for the linear
+//! law J - 1 is replaced by the trace of the strain. The pressure lives in one element, so it is condensed there. At
+//! the incompressible limit the pressure block vanishes; the *tangent* then keeps a small compressibility 1 / (1e4 mu),
+//! the *residual* does not: Newton's steps reach the exact solution, a thousandfold closer each time.
 
 use super::element::{MAX_NODES, MAX_PRESSURES, quadrature};
 use super::kinematics::{Kinematics, MaterialPoint, cofactor};
@@ -54,8 +54,8 @@ pub fn pressure_frame(nodes: &[[f64; 3]]) -> [[f64; 3]; 2] {
     [[0, 1, 2].map(|i| 0.5 * (low[i] + high[i])), half]
 }
 
-/// Evaluates an element; `None` where it is inside out or its law has no finite answer. The number of pressure coefficients
-/// tells the order of the pressure.
+/// Evaluates an element; `None` where it is inside out or its law has no finite answer. The number of pressure
+/// coefficients tells the order of the pressure.
 pub fn element_system(
     kinematics: Kinematics,
     nodes: &[[f64; 3]],
@@ -153,8 +153,8 @@ fn softening(material: &Material, largest_kpa: f64) -> f64 {
     if material.bulk_kpa() > largest_kpa { 1.0 / largest_kpa } else { 0.0 }
 }
 
-/// Largest bulk modulus of the tangent for a body of these materials, kPa: by the stiffest of them, because a soft part inside
-/// a stiff one is held by the stiff one.
+/// Largest bulk modulus of the tangent for a body of these materials, kPa: by the stiffest of them, because a soft part
+/// inside a stiff one is held by the stiff one.
 pub fn tangent_bulk_kpa(materials: &[Material]) -> f64 {
     TANGENT_BULK * materials.iter().map(|material| material.law.shear_kpa()).fold(0.0, f64::max)
 }

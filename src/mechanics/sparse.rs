@@ -179,8 +179,8 @@ impl SparseCholesky {
         })
     }
 
-    /// Adds a group's full symmetric matrix, row-major, of which the lower triangle by unknowns is read. `numbers` are its
-    /// unknowns, `per_node` for each node, ascending in each; those held are `u32::MAX`.
+    /// Adds a group's full symmetric matrix, row-major, of which the lower triangle by unknowns is read. `numbers` are
+    /// its unknowns, `per_node` for each node, ascending in each; those held are `u32::MAX`.
     pub fn add(&mut self, nodes: &[u32], numbers: &[u32], matrix: &[f64]) {
         let per_node = numbers.len() / nodes.len().max(1);
         let size = numbers.len();

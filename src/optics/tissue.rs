@@ -1,17 +1,20 @@
-//! Light that a half space of scattering tissue sends back (S. Chandrasekhar, Radiative Transfer, Dover 1960, chapters IV and V).
+//! Light that a half space of scattering tissue sends back (S. Chandrasekhar, Radiative Transfer, Dover 1960, chapters
+//! IV and V).
 //!
-//! The scattering is taken as isotropic with the reduced coefficient (similarity), the surface as matched in index: what a real
-//! boundary reflects is the tracer's. With the albedo w of one scattering, the cosines mu_i of the light that comes and mu_o of
-//! that which leaves,
+//! The scattering is taken as isotropic with the reduced coefficient (similarity), the surface as matched in index:
+//! what a real boundary reflects is the tracer's. With the albedo w of one scattering, the cosines mu_i of the light
+//! that comes and mu_o of that which leaves,
 //!
 //! ```text
 //! pi f(mu_i, mu_o) = w/4 H(mu_i) H(mu_o) / (mu_i + mu_o)
 //! 1/H(mu) = sqrt(1 - w) + w/2 integral of x H(x) / (x + mu) dx, from 0 to 1
 //! ```
 //!
-//! f being the radiance that leaves over the flux per area that comes, and R(mu_i) = 1 - sqrt(1 - w) H(mu_i) all that leaves.
+//! f being the radiance that leaves over the flux per area that comes, and R(mu_i) = 1 - sqrt(1 - w) H(mu_i) all that
+//! leaves.
 
-/// Points of the integral over x = t^3 in the tracers: H is then known to 2.4e-5 (see the test), so that what leaves is to 1e-5.
+/// Points of the integral over x = t^3 in the tracers: H is then known to 2.4e-5 (see the test), so that what leaves is
+/// to 1e-5.
 pub const POINTS: usize = 8;
 
 /// Tissue as an endless half space.
@@ -52,14 +55,15 @@ impl HalfSpace {
         points.iter().zip(weights).map(|(mu, weight)| weight * 2.0 * mu * self.returned(*mu)).sum()
     }
 
-    /// Radiance that leaves at the cosine `mu_o` over that of a white Lambertian face, for light of cosine `mu_i`: pi f.
+    /// Radiance that leaves at the cosine `mu_o` over that of a white Lambertian face, for light of cosine `mu_i`: pi
+    /// f.
     pub fn sent(&self, mu_i: f64, mu_o: f64) -> f64 {
         0.25 * self.albedo * self.h(mu_i) * self.h(mu_o) / (mu_i + mu_o)
     }
 }
 
-/// Places x and weights w/2 x H(x) dx of the sum in 1/H, by iteration. Plain iteration swings about the answer; its mean with the
-/// step before halves the error each time, or better.
+/// Places x and weights w/2 x H(x) dx of the sum in 1/H, by iteration. Plain iteration swings about the answer; its
+/// mean with the step before halves the error each time, or better.
 fn solve(albedo: f64, floor: f64, rule: &[[f64; 2]]) -> Vec<[f64; 2]> {
     // With x = t^3 the points crowd where H bends most: at 0, as x ln x.
     let places: Vec<[f64; 2]> = rule.iter().map(|[t, weight]| [t.powi(3), weight * 3.0 * t * t]).collect();

@@ -115,8 +115,8 @@ pub(super) fn range(numbers: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> 
     })
 }
 
-/// A colour bar in the rectangle x, y, width, height for values `low` to `high`; `color` takes the share, 0 to 1. An end
-/// beyond which there are values is pointed.
+/// A colour bar in the rectangle x, y, width, height for values `low` to `high`; `color` takes the share, 0 to 1. An
+/// end beyond which there are values is pointed.
 pub(super) fn color_bar(
     svg: &mut Svg,
     [x, y, w, h]: [f64; 4],

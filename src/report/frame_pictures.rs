@@ -20,9 +20,9 @@ const LINE_PX: f64 = 17.0;
 const PLACE: AxisName = AxisName { quantity: "place along the indenter", unit: "mm" };
 const PRESSURE: AxisName = AxisName { quantity: "pressure", unit: "kPa" };
 
-/// Draws frames in false colour as a self-contained SVG: each frame a horizontal stripe, positions upward. A frame reaches
-/// halfway to its neighbours; along the indenter the pressure is linear between places. With `mark_inclusion` a line shows
-/// where position 0 lies under the indenter.
+/// Draws frames in false colour as a self-contained SVG: each frame a horizontal stripe, positions upward. A frame
+/// reaches halfway to its neighbours; along the indenter the pressure is linear between places. With `mark_inclusion` a
+/// line shows where position 0 lies under the indenter.
 ///
 /// # Errors
 /// Where a number cannot be drawn.

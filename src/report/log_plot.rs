@@ -5,7 +5,8 @@ use super::raster::PictureError;
 use super::svg::{Anchor, Svg, text_width};
 use super::ticks;
 
-/// A point. One whose value is not above 0 is drawn at the upper end of its bar, with an arrow down: it is somewhere below.
+/// A point. One whose value is not above 0 is drawn at the upper end of its bar, with an arrow down: it is somewhere
+/// below.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogPoint {
     /// Where it is.

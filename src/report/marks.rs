@@ -14,8 +14,8 @@ pub struct Marks {
 
 /// Height that the legend takes below a picture, pixels.
 pub(super) const LEGEND_PX: f64 = 24.0;
-/// Most columns and rows of the outline: of larger images it is that of means over blocks, so that noise at the threshold cannot
-/// fill megabytes.
+/// Most columns and rows of the outline: of larger images it is that of means over blocks, so that noise at the
+/// threshold cannot fill megabytes.
 const OUTLINE: [usize; 2] = [400, 300];
 /// Told apart from every colour of the map, on dark and on light.
 const OUTLINE_STROKE: &str = r##"fill="none" stroke="#39d3ff" stroke-width="1.2""##;

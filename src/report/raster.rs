@@ -87,8 +87,8 @@ impl Raster<'_> {
         if unit.is_empty() { self.quantity.to_owned() } else { format!("{} ({unit})", self.quantity) }
     }
 
-    /// Means over at most `most_columns` by `most_rows` blocks of equal size; pixels on a border count in shares, so that
-    /// neither noise nor slopes show the pattern of the blocks.
+    /// Means over at most `most_columns` by `most_rows` blocks of equal size; pixels on a border count in shares, so
+    /// that neither noise nor slopes show the pattern of the blocks.
     pub(super) fn blocks(&self, most_columns: usize, most_rows: usize) -> Blocks {
         let (width, height) = (self.width.min(most_columns).max(1), self.height.min(most_rows).max(1));
         let mut narrow = Vec::with_capacity(width * self.height);

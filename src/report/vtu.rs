@@ -12,9 +12,9 @@ use base64::engine::general_purpose::STANDARD;
 
 /// Lattice node (first axis fastest) at each place of VTK_BIQUADRATIC_QUAD: corners around, edges around, middle.
 const QUAD_ORDER: [usize; 9] = [0, 2, 8, 6, 1, 5, 7, 3, 4];
-/// The same for VTK_TRIQUADRATIC_HEXAHEDRON: 8 corners; 4 edges below, 4 above, 4 upright; the faces at -x, +x, -y, +y, -z,
-/// +z; the middle. The faces are as VTK's code numbers them (vtkTriQuadraticHexahedron.cxx, `HexFaces`); the list in that
-/// class's documentation begins with another face.
+/// The same for VTK_TRIQUADRATIC_HEXAHEDRON: 8 corners; 4 edges below, 4 above, 4 upright; the faces at -x, +x, -y, +y,
+/// -z, +z; the middle. The faces are as VTK's code numbers them (vtkTriQuadraticHexahedron.cxx, `HexFaces`); the list
+/// in that class's documentation begins with another face.
 const HEXAHEDRON_ORDER: [usize; 27] =
     [0, 2, 8, 6, 18, 20, 26, 24, 1, 5, 7, 3, 19, 23, 25, 21, 9, 11, 17, 15, 12, 14, 10, 16, 4, 22, 13];
 
@@ -70,8 +70,8 @@ pub enum VtuError {
 }
 
 impl Vtu {
-    /// The undeformed bodies, lifted by `lift_mm` (the height of the touched face in the scene), with the cell data `body`
-    /// (0, 1, ... in order) and `region`.
+    /// The undeformed bodies, lifted by `lift_mm` (the height of the touched face in the scene), with the cell data
+    /// `body` (0, 1, ... in order) and `region`.
     ///
     /// # Errors
     /// Where an element names a node that is not there, or a coordinate is not finite.

@@ -195,7 +195,8 @@ pub struct Tissue {
     pub n: f64,
     /// Diffuse reflectance of an index-matched surface, 0 to 1, alike for all light. Give this or the two coefficients.
     pub diffuse_reflectance: Option<f64>,
-    /// Reduced scattering coefficient, per mm. With the absorption: a half space that returns what the angle of the light asks for.
+    /// Reduced scattering coefficient, per mm. With the absorption: a half space that returns what the angle of the
+    /// light asks for.
     pub reduced_scattering_per_mm: Option<f64>,
     /// Absorption coefficient, per mm.
     pub absorption_per_mm: Option<f64>,

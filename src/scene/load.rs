@@ -1,5 +1,6 @@
-//! Reading a scene file: text, structure, types, rules, and the files it names. The first mistake is the error and carries the
-//! others of its stage: what the types are is not asked before the structure is right, nor a rule before the types are.
+//! Reading a scene file: text, structure, types, rules, and the files it names. The first mistake is the error and
+//! carries the others of its stage: what the types are is not asked before the structure is right, nor a rule before
+//! the types are.
 
 use super::data_file::read_limited;
 use super::error::SceneError;

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Press {
-    /// Displacements of the phantom's base towards the sensor from first touch, ascending, mm. Give these or `forces_n`.
+    /// Displacements of the phantom's base towards the sensor from first touch, ascending, mm. Give these or
+    /// `forces_n`.
     pub depths_mm: Option<Vec<f64>>,
     /// Total forces, ascending, N. Give these or `depths_mm`.
     pub forces_n: Option<Vec<f64>>,
@@ -18,8 +19,9 @@ pub struct Press {
     pub footprint: Option<Face>,
     /// What happens along the touching faces. Default: `frictionless`.
     pub interface: Interface,
-    /// Radius of the rim of the sensor's touched face, mm; 0 is sharp. Absent: 0 where tied, 0.5 where faces slide, because a
-    /// sharp rim that slides is singular (and none that is moulded is sharp). A rigid sensor that is tied has none.
+    /// Radius of the rim of the sensor's touched face, mm; 0 is sharp. Absent: 0 where tied, 0.5 where faces slide,
+    /// because a sharp rim that slides is singular (and none that is moulded is sharp). A rigid sensor that is tied has
+    /// none.
     pub edge_radius_mm: Option<f64>,
     /// Dimensions of the finite elements. Default: `auto`.
     pub dimensions: Dimensions,

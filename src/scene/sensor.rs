@@ -122,8 +122,8 @@ pub struct Led {
     pub mount: Mount,
     /// Optical power emitted inside the cut-off cone, mW. Give this or `radiance_w_per_m2_sr`.
     pub power_mw: Option<f64>,
-    /// Radiance along the normal, W/(m^2 sr), in the medium the disc sits in. Give this or `power_mw`; a lamp that is dark along
-    /// its normal takes `power_mw`.
+    /// Radiance along the normal, W/(m^2 sr), in the medium the disc sits in. Give this or `power_mw`; a lamp that is
+    /// dark along its normal takes `power_mw`.
     pub radiance_w_per_m2_sr: Option<f64>,
     /// Angular pattern.
     #[serde(default)]

@@ -156,8 +156,8 @@ impl<'s> Walk<'s> {
         }
     }
 
-    /// One of several names, or one of several tables told apart by one of their keys: `kind`, or `law` for materials. Of a
-    /// table, it and what it must be.
+    /// One of several names, or one of several tables told apart by one of their keys: `kind`, or `law` for materials.
+    /// Of a table, it and what it must be.
     fn choice<'v, 't>(
         &self,
         key: &str,

@@ -1,5 +1,5 @@
-//! Rays along height fields: from a point of the face into the layer on either side, and from within the layer to that point,
-//! nearly in the tangent plane. The search for the next crossing has its hardest work there.
+//! Rays along height fields: from a point of the face into the layer on either side, and from within the layer to that
+//! point, nearly in the tangent plane. The search for the next crossing has its hardest work there.
 
 use super::tracer::Start;
 use super::watch::Seen;
@@ -20,8 +20,8 @@ const CLEAR_MM: f64 = 1e-4;
 /// Steps that a ray is followed for.
 const STEPS: u32 = 64;
 
-/// Furthest that such a ray may be beyond its layer, mm: along a concave face each bounce takes it out by the rounding of a height,
-/// 1e-6 mm, which the search adds to the gap so that it gets on.
+/// Furthest that such a ray may be beyond its layer, mm: along a concave face each bounce takes it out by the rounding
+/// of a height, 1e-6 mm, which the search adds to the gap so that it gets on.
 pub const BEYOND_MM: f64 = Seen::WRONG_LAYER_MM + 1e-6 * STEPS as f64;
 
 /// Rays along each interface of a model that is a height field; none where there is no such interface.

@@ -98,8 +98,8 @@ fn grazing(model: &Model<f32>) -> Vec<Start> {
     starts
 }
 
-/// From the middle of each layer through its upper corners and the edges of two walls, along the axis, and from a corner
-/// inwards.
+/// From the middle of each layer through its upper corners and the edges of two walls, along the axis, and from a
+/// corner inwards.
 fn corners(model: &Model<f32>) -> Vec<Start> {
     let [half_x, half_y] = model.half_size.map(f64::from);
     let mut starts = Vec::new();

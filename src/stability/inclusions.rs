@@ -1,7 +1,7 @@
 //! Spheres of any contrast in a far uniform strain.
 //!
-//! Incompressible, in a uniaxial strain: 1/(1 + 0.4 (k - 1)) of the far strain inside (Eshelby, Proc. R. Soc. A 241, 1957).
-//! Compressible, in a strain the same along all axes: (3 K + 4 G)/(3 K_i + 4 G), a hole at k = 0.
+//! Incompressible, in a uniaxial strain: 1/(1 + 0.4 (k - 1)) of the far strain inside (Eshelby, Proc. R. Soc. A 241,
+//! 1957). Compressible, in a strain the same along all axes: (3 K + 4 G)/(3 K_i + 4 G), a hole at k = 0.
 
 use super::compressibility::ELEMENTS;
 use super::row::{Part, Row, Subject};
@@ -13,8 +13,8 @@ use crate::mechanics::mesh::{Footprint, InclusionShape, Mesh, MeshError, Phantom
 use crate::mechanics::problem::{Problem, Support};
 use crate::mechanics::read_out::samples;
 
-/// Distance to the boundary, which moves as if there were no sphere (radius 1 mm): an error of 4 FAR^-3, 5e-4. Farther out,
-/// round-off keeps extreme contrasts from balancing.
+/// Distance to the boundary, which moves as if there were no sphere (radius 1 mm): an error of 4 FAR^-3, 5e-4. Farther
+/// out, round-off keeps extreme contrasts from balancing.
 pub const FAR: f64 = 20.0;
 const POISSON: f64 = 0.3;
 

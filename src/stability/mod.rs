@@ -1,7 +1,7 @@
 //! The extreme cases of the tracer, the finite elements and the estimators, each with its reference and its error.
 //!
-//! A [`Check`] is one family of cases; it gives [`Row`]s. What is checked comes from a [`Context`], so that a test can put a
-//! faulty tracer or element in and see rows fail.
+//! A [`Check`] is one family of cases; it gives [`Row`]s. What is checked comes from a [`Context`], so that a test can
+//! put a faulty tracer or element in and see rows fail.
 
 mod compressibility;
 pub mod creeping;

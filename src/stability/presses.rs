@@ -13,8 +13,8 @@ use crate::mechanics::read_out::{min_jacobian, pressure_jump};
 
 /// Height of the phantom, mm.
 pub const HEIGHT: f64 = 25.0;
-/// Largest jump of the pressure between elements, as a share of its spread: a checkerboard has 2, a smooth field on this
-/// mesh, singular at one edge, less than a third.
+/// Largest jump of the pressure between elements, as a share of its spread: a checkerboard has 2, a smooth field on
+/// this mesh, singular at one edge, less than a third.
 const JUMP: f64 = 0.3;
 const FOLDS: &str = "a press of 1 mm folds nothing";
 
@@ -124,8 +124,8 @@ fn contrasts(context: &Context, rows: &mut Vec<Row>) -> Result<(), StabilityErro
         for (contrast, limit) in [(1e6, 1e8), (1e-6, 1e-8)] {
             let [far, near] = [ball(contrast)?, ball(limit)?];
             let forces = [far.force_n, near.force_n];
-            // The inclusion makes 3 % of the force. Of that, at 1e6, (k - 1)/(k + 2.04) is reached (3e-6 remain); at 1e-6 a
-            // bulk modulus of 5,000 k E is left at nu = 0.4999, which fills a hundredth of a hole.
+            // The inclusion makes 3 % of the force. Of that, at 1e6, (k - 1)/(k + 2.04) is reached (3e-6 remain); at
+            // 1e-6 a bulk modulus of 5,000 k E is left at nu = 0.4999, which fills a hundredth of a hole.
             let quantity = "force, N, has come to its limit";
             let reference = format!("contrast {limit}");
             rows.push(subject(contrast).relative(quantity, forces, reference, 3e-4, "a hundredth of its 3 % effect"));

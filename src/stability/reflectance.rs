@@ -1,7 +1,8 @@
 //! Reflectance where it is hardest: near the critical angle, at vanishing steps of the index, at grazing incidence.
 //!
-//! A tracer decides by cos^2(theta_t) n_t^2 = (n_t^2 - n_i^2) + n_i^2 cos^2(theta_i) with the bracket prepared in f64. The
-//! reference is the closed form in f64 at the inputs as f32 rounds them: rounding an input is no error of the tracer.
+//! A tracer decides by cos^2(theta_t) n_t^2 = (n_t^2 - n_i^2) + n_i^2 cos^2(theta_i) with the bracket prepared in f64.
+//! The reference is the closed form in f64 at the inputs as f32 rounds them: rounding an input is no error of the
+//! tracer.
 
 use super::row::{Part, Row, Subject};
 use super::scenes::cavity;

@@ -52,8 +52,8 @@ pub fn cavity(change: impl FnOnce(&mut Scene)) -> Result<Model<f64>, StabilityEr
     Ok(model)
 }
 
-/// The same with a dent so shallow that all light stays guided, as a height field: normals are looked up, and reflections
-/// are those of any slope.
+/// The same with a dent so shallow that all light stays guided, as a height field: normals are looked up, and
+/// reflections are those of any slope.
 pub fn dented_cavity(depth_mm: f64) -> Result<Model<f64>, StabilityError> {
     cavity(|scene| {
         scene.touch.shape = Shape::GaussianDent { depth_mm, sigma_mm: 2.0, center_mm: [0.0, 0.0] };
@@ -78,8 +78,8 @@ pub fn layers(scene: &mut Scene, layers: &[[f64; 2]]) {
 pub const THIN: [[f64; 2]; 6] =
     [[2.0, 1.41], [1e-3, 1.41], [1e-5, 1.410_000_1], [4.0, 1.411], [1e-3, 4.0], [6.0, 1.38]];
 
-/// The presets without a press, one with (the others differ in their inclusions), and what they leave out: height fields, a
-/// mesh, mirrors, a lens, contact on a deformed face, thin layers.
+/// The presets without a press, one with (the others differ in their inclusions), and what they leave out: height
+/// fields, a mesh, mirrors, a lens, contact on a deformed face, thin layers.
 pub fn hard_scenes(quick: bool) -> Result<Vec<HardScene>, StabilityError> {
     let mut scenes = Vec::new();
     let mut add = |name: &str, model: Model<f64>| scenes.push(HardScene { name: name.into(), model });

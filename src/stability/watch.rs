@@ -63,8 +63,8 @@ impl Seen {
     /// Largest |p| / n - 1: it is rounded some tens of times a bounce.
     pub const MOMENTUM: f64 = 1e-5;
 
-    /// What is wrong with what was seen; empty where every path kept its place. Lost paths are the caller's to judge: they
-    /// are counted.
+    /// What is wrong with what was seen; empty where every path kept its place. Lost paths are the caller's to judge:
+    /// they are counted.
     pub fn faults(&self) -> Vec<&'static str> {
         let faults = [
             (self.not_finite > 0, "a number that is not finite"),

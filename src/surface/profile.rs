@@ -11,12 +11,14 @@ pub struct Profile {
     pub center_mm: [f64; 2],
     /// Cells per mm.
     pub per_mm: f64,
-    /// Coefficients of each cell's cubic, lowest power first, over 0 to 1 from the cell's inner end to its outer one; mm.
+    /// Coefficients of each cell's cubic, lowest power first, over 0 to 1 from the cell's inner end to its outer one;
+    /// mm.
     pub cells: Vec<[f64; 4]>,
 }
 
 impl Profile {
-    /// Samples `height(r)` (mm) out to the farthest corner of the footprint; `points` samples would span its longer side.
+    /// Samples `height(r)` (mm) out to the farthest corner of the footprint; `points` samples would span its longer
+    /// side.
     ///
     /// At least 2 points; otherwise `None`.
     pub fn sample(
@@ -69,8 +71,8 @@ impl Relief for Profile {
         self.cells.iter().map(steepest).fold(0.0, f64::max) * self.per_mm
     }
 
-    /// Along the radius an interface bends as its profile; across it as the slope over the distance, which is a mean of that,
-    /// as the profile is level on the axis.
+    /// Along the radius an interface bends as its profile; across it as the slope over the distance, which is a mean of
+    /// that, as the profile is level on the axis.
     fn bend(&self) -> f64 {
         let ends = self.cells.iter().flat_map(|[_, _, c, d]| [2.0 * c, 2.0 * c + 6.0 * d]);
         ends.map(f64::abs).fold(0.0, f64::max) * self.per_mm * self.per_mm
@@ -92,8 +94,8 @@ fn steepest([_, b, c, d]: &[f64; 4]) -> f64 {
     b.abs().max((b + c).abs()).max((b + 2.0 * c + 3.0 * d).abs())
 }
 
-/// Second derivatives of the spline through samples one apart, level at the first and straight at the last, by the Thomas
-/// algorithm.
+/// Second derivatives of the spline through samples one apart, level at the first and straight at the last, by the
+/// Thomas algorithm.
 fn second_differences(samples: &[f64]) -> Vec<f64> {
     let last = samples.len() - 1;
     let mut out = vec![0.0; samples.len()];

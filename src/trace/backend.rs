@@ -169,8 +169,8 @@ pub enum Backend {
     Gpu {
         /// The device of camera paths.
         camera: Box<GpuTracer>,
-        /// That of photons, where they have one of their own: llvmpipe compiles in a device's queue, so two of them compile two
-        /// kernels at once.
+        /// That of photons, where they have one of their own: llvmpipe compiles in a device's queue, so two of them
+        /// compile two kernels at once.
         photons: Option<Box<GpuTracer>>,
     },
     /// The twin in f32.
@@ -187,7 +187,8 @@ impl From<GpuTracer> for Backend {
 }
 
 impl Backend {
-    /// Chooses a backend and loads the model. Says in the second value why the CPU was taken, where it was not asked for.
+    /// Chooses a backend and loads the model. Says in the second value why the CPU was taken, where it was not asked
+    /// for.
     pub fn open(
         choice: BackendChoice,
         precision: Precision,

@@ -125,8 +125,8 @@ fn adapt(pace: &mut f64, done: u64, seconds: f64) {
     *pace = aim.clamp(*pace * 0.5, *pace * 4.0).clamp(4096.0, 1e9);
 }
 
-/// Pixels from `pixel` on and samples of each that a pace of paths allows; `left` samples are still to take. Several samples
-/// only of the whole image, which is begun anew only where the last chunk ended it.
+/// Pixels from `pixel` on and samples of each that a pace of paths allows; `left` samples are still to take. Several
+/// samples only of the whole image, which is begun anew only where the last chunk ended it.
 fn chunk(pace: u64, pixels: u32, pixel: u32, left: u32) -> [u32; 2] {
     let samples = if pixel == 0 && pixels <= MOST_PIXELS { pace / u64::from(pixels) } else { 1 };
     let count = pace.clamp(1, u64::from(MOST_PIXELS)).min(u64::from(pixels - pixel));

@@ -1,7 +1,7 @@
 //! The map of light that photons leave at the touched face, and its smoothing.
 //!
-//! A texel of a few photons is noisy; the light on the face is smooth. So each map is smoothed by a kernel whose bias is
-//! small against its noise, both measured on the maps of the replicates.
+//! A texel of a few photons is noisy; the light on the face is smooth. So each map is smoothed by a kernel whose bias
+//! is small against its noise, both measured on the maps of the replicates.
 
 use super::cpu::photons::DEPOSIT_UNIT;
 use super::cpu::{Limits, Path};
@@ -16,17 +16,17 @@ use std::collections::HashMap;
 const WIDTHS: [[usize; 2]; 6] = [[1, 3], [3, 7], [5, 11], [7, 15], [9, 19], [13, 27]];
 /// Groups of replicates that the measure of the bias tells apart.
 const GROUPS: usize = 8;
-/// Largest square of the added bias, with the error of its measure, over the variance of the narrower. A box of w texels has the
-/// variance (w^2 - 1)/12, to which a bias of second order goes: the narrower's is then at most 0.52 of its own noise for all pairs,
-/// and at most 0.1 where the bias is of fourth order.
+/// Largest square of the added bias, with the error of its measure, over the variance of the narrower. A box of w
+/// texels has the variance (w^2 - 1)/12, to which a bias of second order goes: the narrower's is then at most 0.52 of
+/// its own noise for all pairs, and at most 0.1 where the bias is of fourth order.
 const MOST_ADDED: f64 = 3.0;
 /// Width of the boxes over which a texel's noise is measured.
 const ABOUT: usize = 13;
 /// Least noise that counts in a texel, as a share of the median of the noisy ones.
 const LEAST_NOISE: f64 = 0.1;
 
-/// Light per area that meets the touched face in a replicate, in film units: what would enter the tissue through true contact, and
-/// through the gap; or, where it is a half space, what it sends towards the map's two directions.
+/// Light per area that meets the touched face in a replicate, in film units: what would enter the tissue through true
+/// contact, and through the gap; or, where it is a half space, what it sends towards the map's two directions.
 #[derive(Debug, Clone)]
 pub struct ContactLight {
     /// Of photons.
@@ -133,8 +133,9 @@ impl TouchedFace {
         ContactLight { light, direct }
     }
 
-    /// What camera paths read, for each replicate: light times area beside the area, for true contact and for the gap; the exitance
-    /// in place of the first, where light spreads; the exitance towards the map's two directions, where tissue is a half space.
+    /// What camera paths read, for each replicate: light times area beside the area, for true contact and for the gap;
+    /// the exitance in place of the first, where light spreads; the exitance towards the map's two directions, where
+    /// tissue is a half space.
     pub fn texels(&self, maps: &[ContactLight], smoothing: Smoothing) -> Vec<Vec<[f64; 4]>> {
         let smoothers = smoothing.widths.map(|width| Smoother::new(&self.area, self.columns, width));
         let smooth = |map: &ContactLight| {
@@ -212,17 +213,18 @@ impl TouchedFace {
     }
 }
 
-/// Width of the boxes that `parts`, independent estimates of the light e, bear, and its bias: the root of its square's integral
-/// over the face, 0 where that is below the error of its measure.
+/// Width of the boxes that `parts`, independent estimates of the light e, bear, and its bias: the root of its square's
+/// integral over the face, 0 where that is below the error of its measure.
 ///
-/// Bias and noise are compared texel by texel, each in units of the noise about it: a few strong photons, noisy where they
-/// land, excuse no bias elsewhere. (With one measure of noise for the face they did: on `press-hertz` 4 of 100 renders took
-/// four times the width of the others, and differed from these by 8 of their standard errors about the bump.)
+/// Bias and noise are compared texel by texel, each in units of the noise about it: a few strong photons, noisy where
+/// they land, excuse no bias elsewhere. (With one measure of noise for the face they did: on `press-hertz` 4 of 200
+/// renders took four times the width of the others, and differed from these by 8 of their standard errors about the
+/// bump.)
 ///
-/// T_d e - T_v e is what a width d of about 2 v adds to the bias of v. Its square is measured by products of different parts,
-/// which have no noise in common, and is known to about the error of that measure. While both together are below
-/// [`MOST_ADDED`] times the variance of T_v, v is taken: its bias is 3 to 35 times smaller than what d adds.
-/// Nothing is extrapolated below v: where d is so wide that its bias no longer grows as a power, that would promise too much.
+/// T_d e - T_v e is what a width d of about 2 v adds to the bias of v. Its square is measured by products of different
+/// parts, which have no noise in common, and is known to about the error of that measure. While both together are below
+/// [`MOST_ADDED`] times the variance of T_v, v is taken: its bias is 3 to 35 times smaller than what d adds. Nothing is
+/// extrapolated below v: where d is so wide that its bias no longer grows as a power, that would promise too much.
 fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
     let mut chosen = (1, 0.0);
     let Some(weights) = over_local_noise(parts, area, columns) else {
@@ -252,8 +254,11 @@ fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
     chosen
 }
 
-/// Areas over the variance that the parts show about each texel; none where they do not differ.
+/// Areas over the variance that the parts show about each texel; none where they do not differ, or nothing is touched.
 fn over_local_noise(parts: &[Vec<f64>], area: &[f64], columns: usize) -> Option<Vec<f64>> {
+    if area.iter().all(|&area| area <= 0.0) {
+        return None;
+    }
     let whole = mean(parts.iter().map(Vec::as_slice));
     let square = |k: usize| parts.iter().map(|part| (part[k] - whole[k]).powi(2)).sum::<f64>();
     let squares: Vec<f64> = (0..area.len()).map(square).collect();
@@ -379,6 +384,8 @@ mod tests {
         // The same noise about an edge: the kernel stays at the texel where photons abound.
         let edge = |x: f64, _: f64| if x < 0.5 { 1.0 } else { 2.0 };
         assert_eq!(width(&parts(edge, 2e4), &area, COLUMNS).0, 1);
+        let nothing = vec![0.0; COLUMNS * COLUMNS];
+        assert_eq!(width(&parts(bump, 20.0), &nothing, COLUMNS), (1, 0.0), "a face that nothing touches");
     }
 
     #[test]
@@ -390,7 +397,8 @@ mod tests {
         assert!(expected > 1, "nothing is smoothed");
         for strong in [30.0, 300.0] {
             let mut struck = sound.clone();
-            // In one of the parts, on 5 x 5 texels. With one measure of noise for the face: 9 and 13 texels in place of 3.
+            // In one of the parts, on 5 x 5 texels. With one measure of noise for the face: 9 and 13 texels in place of
+            // 3.
             (0..25).for_each(|k| struck[3][(k / 5 + 2) * COLUMNS + k % 5 + 2] += strong);
             assert_eq!(width(&struck, &area, COLUMNS).0, expected, "{strong}");
         }

@@ -1,5 +1,5 @@
-//! Every number of a model is finite, in the precision of the tracer that takes it: a NaN would end in the text of a kernel, or
-//! as an image that is dark for no reason.
+//! Every number of a model is finite, in the precision of the tracer that takes it: a NaN would end in the text of a
+//! kernel, or as an image that is dark for no reason.
 
 use super::TraceError;
 use super::model::{CapShape, FieldShape, Heights, MeshShape, Model, Real, Shape};

@@ -1,5 +1,5 @@
-//! What it gains to leave out what a scene does not need: the same image with pieces of the kernels, or stages, that it has no
-//! use for, against the image without, alternating in one run.
+//! What it gains to leave out what a scene does not need: the same image with pieces of the kernels, or stages, that it
+//! has no use for, against the image without, alternating in one run.
 
 use super::backend::TraceError;
 use super::kernel::{Kernel, ShapePiece, Spare};
@@ -44,8 +44,8 @@ struct Laden {
     settings: Settings,
 }
 
-/// Renders `model` with and without each piece that it leaves out, `rounds` times in turn; with them by `other_seed`, since equal
-/// noise would hide differences. `observe` as for [`render()`].
+/// Renders `model` with and without each piece that it leaves out, `rounds` times in turn; with them by `other_seed`,
+/// since equal noise would hide differences. `observe` as for [`render()`].
 pub fn gains(
     model: &Model<f64>,
     settings: &Settings,

@@ -31,11 +31,11 @@ pub struct Kernel {
     pub cosine_power: bool,
     /// The camera has a lens of finite size.
     pub lens: bool,
-    /// Photons that can meet no tissue, or no more, are told from above and left out: between flat, smooth faces and black walls
-    /// paths run straight when seen from there.
+    /// Photons that can meet no tissue, or no more, are told from above and left out: between flat, smooth faces and
+    /// black walls paths run straight when seen from there.
     pub aimed: bool,
-    /// Number of reflections at outer faces below which light that inner interfaces only refract is found by unfolding, not by
-    /// photons of the map; 0: none.
+    /// Number of reflections at outer faces below which light that inner interfaces only refract is found by unfolding,
+    /// not by photons of the map; 0: none.
     pub unfolded: u32,
 }
 
@@ -54,8 +54,8 @@ pub enum ShapePiece {
     Mesh,
 }
 
-/// A piece that a kernel can carry without a use for it. The image is the same, the time is not (on a GPU; the twin in Rust branches
-/// on few of them).
+/// A piece that a kernel can carry without a use for it. The image is the same, the time is not (on a GPU; the twin in
+/// Rust branches on few of them).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Spare {
     /// A search on both faces of a layer.

@@ -9,7 +9,8 @@ use std::ops::RangeInclusive;
 /// Cells of an intensity table along sin^2(theta) and along the azimuth.
 pub const TABLE_EDGE: usize = 64;
 
-/// Radiances of the brightest LED, W/(m^2 sr), whose images have variances within the range of f32, dim pixels included.
+/// Radiances of the brightest LED, W/(m^2 sr), whose images have variances within the range of f32, dim pixels
+/// included.
 const RADIANCES: RangeInclusive<f64> = 1e-9..=1e12;
 
 /// One LED.
@@ -101,8 +102,8 @@ pub(super) fn leds(loaded: &LoadedScene) -> Result<Lit, SurfaceError> {
 }
 
 impl Led<f64> {
-    /// Between which sines all light leaves it that may meet a disc, seen from above. Those of a Lambertian disc on the wall are
-    /// uniform; of others everything is let through.
+    /// Between which sines all light leaves it that may meet a disc, seen from above. Those of a Lambertian disc on the
+    /// wall are uniform; of others everything is let through.
     fn aimed_at(&self, half_size: [f64; 2], center: [f64; 2], radius: f64) -> [f64; 2] {
         let lambertian = self.exponent == 1.0 && self.table.is_none() && self.cos_cutoff == 0.0 && !self.air;
         if !lambertian {
@@ -230,8 +231,8 @@ struct Tabulated {
 
 /// Tabulates a lamp; `None` where it emits nothing inside the cut-off.
 ///
-/// Radiances are relative to the largest, not to that on the axis: the film's sums hold so many of the brightest, and a lamp that is
-/// dim or dark on its axis is as good as any.
+/// Radiances are relative to the largest, not to that on the axis: the film's sums hold so many of the brightest, and a
+/// lamp that is dim or dark on its axis is as good as any.
 fn tabulate(ies: &IesTable, cos_cutoff: f64) -> Option<Tabulated> {
     let edge = TABLE_EDGE as f64;
     let cell = |k: usize| {
@@ -300,7 +301,8 @@ mod tests {
         hits.count() as f64 / f64::from(LAUNCHES)
     }
 
-    /// All light that may meet the disc is aimed: the share of all launches is that of the aimed ones times what they stand for.
+    /// All light that may meet the disc is aimed: the share of all launches is that of the aimed ones times what they
+    /// stand for.
     fn miss(model: &Model<f64>) -> f64 {
         towards(model, true) * model.aimed_share / towards(model, false) - 1.0
     }
@@ -347,7 +349,8 @@ mod tests {
 
     #[test]
     fn aimed_light_is_lambertian_between_its_sines() {
-        // The square of the upward cosine of Lambertian light from a wall has a mean of 1/4, whatever part of the azimuth is seen.
+        // The square of the upward cosine of Lambertian light from a wall has a mean of 1/4, whatever part of the
+        // azimuth is seen.
         let model = model(&scene(), [0.0; 2]);
         let mut path = Path::new(&model, Limits::default());
         path.aimed = true;

@@ -1,8 +1,8 @@
 //! The tracer: light from the LEDs through the stack to the camera.
 //!
 //! A [`Model`] holds what a scene needs, as plain numbers. Two backends trace it: [`gpu`] (WGSL through wgpu) and its
-//! twin [`cpu`] (the same algorithm in Rust, in f32 or f64). Both offer two things: camera paths that add to a film, and
-//! photons that fill the flux ledger and, by need, an irradiance map or a splat film. [`render()`] combines them.
+//! twin [`cpu`] (the same algorithm in Rust, in f32 or f64). Both offer two things: camera paths that add to a film,
+//! and photons that fill the flux ledger and, by need, an irradiance map or a splat film. [`render()`] combines them.
 
 pub mod backend;
 pub mod batch;

@@ -125,7 +125,8 @@ pub fn interface_profiles(model: &Model<f64>, places: usize) -> Vec<Vec<[f64; 2]
         .collect()
 }
 
-/// Share of true contact in the section y = 0 at evenly spaced places: points (x in mm, share); 0 where there is no tissue.
+/// Share of true contact in the section y = 0 at evenly spaced places: points (x in mm, share); 0 where there is no
+/// tissue.
 pub fn contact_profile(model: &Model<f64>, places: usize) -> Vec<[f64; 2]> {
     let path = Path::new(model, Limits::default());
     let share = |x| if path.tissue_here(x, 0.0) { path.contact_share(x, 0.0) } else { 0.0 };
@@ -191,7 +192,8 @@ mod tests {
 
     #[test]
     fn pieces_inside_a_layer_keep_the_horizontal_momentum() {
-        // Between the plane faces of one layer a ray runs at one slope up and down; Snell's law holds from layer to layer.
+        // Between the plane faces of one layer a ray runs at one slope up and down; Snell's law holds from layer to
+        // layer.
         let model = model("tsis-paper");
         let rays = sample_rays(&model, 20, 5);
         let ray = rays.iter().max_by_key(|ray| ray.points_mm.len()).unwrap();

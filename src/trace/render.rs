@@ -23,8 +23,9 @@ const REPLICATE_PATHS: u32 = 1 << 15;
 const LEDGER_PHOTONS: u64 = 1 << 20;
 /// Camera paths to a photon where photons find only what unfolding leaves.
 const PATHS_TO_A_PHOTON: u64 = 8;
-/// Fewest photons for a map or a splat, unless asked for fewer, however few the camera paths: with 2^20 of them an 8 x 8 block of
-/// `phantom-size-8mm` lies up to 10 % off its mirror image, and blocks of 16 x 16 pixels are known to 1 %; this halves both.
+/// Fewest photons for a map or a splat, unless asked for fewer, however few the camera paths: with 2^20 of them an 8 x
+/// 8 block of `phantom-size-8mm` lies up to 10 % off its mirror image, and blocks of 16 x 16 pixels are known to 1 %;
+/// this halves both.
 const LEAST_PHOTONS: u64 = 1 << 22;
 /// The same where unfolding finds most light.
 const LEAST_PHOTONS_BESIDE_UNFOLDING: u64 = 1 << 20;
@@ -40,8 +41,8 @@ const PHOTON_SHARE: f64 = 0.5;
 /// Edge of the blocks in which a shape is looked for, and that in images of few pixels.
 const AREA_PIXELS: u32 = 16;
 const FEW_AREA_PIXELS: u32 = 4;
-/// Largest error of such a block without a word. Where it is 1 %, blocks of 8 x 8 pixels differ by up to 10 % from their mirror images, and
-/// 1 % of contrast is 4 to 10 % of an inclusion's modulus (docs/PHYSICS.md, 11).
+/// Largest error of such a block without a word. Where it is 1 %, blocks of 8 x 8 pixels differ by up to 10 % from
+/// their mirror images, and 1 % of contrast is 4 to 10 % of an inclusion's modulus (docs/PHYSICS.md, 11).
 const BLOTCHES: f64 = 0.0075;
 /// Largest share of photons, and of camera paths, that may get lost; a single one of few tells nothing about the share.
 const LOST_TOLERANCE: f64 = 1e-6;
@@ -53,9 +54,11 @@ const TERMINATED_TOLERANCE: f64 = 1e-4;
 pub struct Settings {
     /// Method asked for.
     pub integrator: Integrator,
-    /// Camera paths per pixel; at least 16, rounded up to whole replicates, of which there are 16 to 31, or more of 2^15 paths.
+    /// Camera paths per pixel; at least 16, rounded up to whole replicates, of which there are 16 to 31, or more of
+    /// 2^15 paths.
     pub spp: u32,
-    /// Photons; `None`: as many as camera paths, at least 2^22; an eighth of that where unfolding finds most light, at least 2^20.
+    /// Photons; `None`: as many as camera paths, at least 2^22; an eighth of that where unfolding finds most light, at
+    /// least 2^20.
     pub photons: Option<u64>,
     /// Budget of tracing time after compilation, seconds; replaces `spp`.
     pub seconds: Option<f64>,
@@ -107,7 +110,8 @@ pub struct Outcome {
     pub backend: &'static str,
     /// Adapter.
     pub adapter: String,
-    /// What was not done as asked, and why: the CPU taken where no GPU was found, a budget of seconds that was too small.
+    /// What was not done as asked, and why: the CPU taken where no GPU was found, a budget of seconds that was too
+    /// small.
     pub notice: Option<String>,
     /// Camera paths.
     pub paths: u64,
@@ -149,9 +153,10 @@ fn blotches(method: Method, film: &Film) -> Option<String> {
 
 /// Renders a model. `observe` is called between chunks; false stops the work.
 ///
-/// For an asked error it renders with the least work first, and from what that leaves anew with as much as it takes: the smoothing
-/// of a map is then chosen for the noise of the whole, and its bias shrinks with it. The least work is a camera path per pixel and
-/// replicate, and few photons: these are more by themselves until they match the camera paths, and with them from there.
+/// For an asked error it renders with the least work first, and from what that leaves anew with as much as it takes:
+/// the smoothing of a map is then chosen for the noise of the whole, and its bias shrinks with it. The least work is a
+/// camera path per pixel and replicate, and few photons: these are more by themselves until they match the camera
+/// paths, and with them from there.
 pub fn render(
     model: &Model<f64>,
     settings: &Settings,
@@ -211,8 +216,8 @@ fn once(
     })
 }
 
-/// Renders on a backend that holds the model already: one device for many seeds. Work is that of the settings, or for their
-/// seconds; an asked error and their backend play no part.
+/// Renders on a backend that holds the model already: one device for many seeds. Work is that of the settings, or for
+/// their seconds; an asked error and their backend play no part.
 pub fn render_on(
     backend: &mut Backend,
     model: &Model<f64>,
@@ -252,7 +257,8 @@ pub fn render_on(
         let left = budget - timer.elapsed().as_secs_f64();
         let few = (FEW_PHOTONS as f64 / pilot.photons as f64).min(1.0);
         replicates = ((left / (few * photons + map + camera)) as u32).clamp(LEAST_REPLICATES, REPLICATES);
-        // Two thirds of the budget for so many: the choice of a smoothing takes time too, and more replicates fill the rest.
+        // Two thirds of the budget for so many: the choice of a smoothing takes time too, and more replicates fill the
+        // rest.
         let each = left / f64::from(replicates) / 1.5 - map;
         let scale = (each / (photons + camera)).clamp(1.0, f64::from(REPLICATE_PATHS)).floor();
         let share = ((each - scale * camera) / photons).clamp(few, 2.0 * scale);

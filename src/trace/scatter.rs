@@ -1,17 +1,17 @@
 //! What tissue does with light that enters it, as plain numbers of the tracers.
 //!
-//! Tissue of a given diffuse reflectance is Lambertian. Tissue given by coefficients is a half space (`optics::tissue`), which sends
-//! different light to different directions. A map cannot hold all of them: it holds what leaves towards two, and what lies between
-//! follows from the form H(mu)/(mu + mu_k) of both. For light of cosine mu_i that leaves at mu_o this is off by exactly
-//! the product over both k of (mu_i - mu_k)(mu_o - mu_k) / ((mu_i + mu_k)(mu_o + mu_k)), as the determinants of Cauchy's matrix
-//! have it.
+//! Tissue of a given diffuse reflectance is Lambertian. Tissue given by coefficients is a half space
+//! (`optics::tissue`), which sends different light to different directions. A map cannot hold all of them: it holds
+//! what leaves towards two, and what lies between follows from the form H(mu)/(mu + mu_k) of both. For light of cosine
+//! mu_i that leaves at mu_o this is off by exactly the product over both k of (mu_i - mu_k)(mu_o - mu_k) / ((mu_i +
+//! mu_k)(mu_o + mu_k)), as the determinants of Cauchy's matrix have it.
 
 use super::model::Real;
 use crate::optics::fresnel;
 use crate::optics::tissue::{self, POINTS};
 
-/// Cosines of the map's two directions. A pinhole of 60 degrees sees 0.91 to 1 straight, guided light comes at 0 to 0.7: for these
-/// together, of even radiance, the map is off by 0.04 % at most (see the test).
+/// Cosines of the map's two directions. A pinhole of 60 degrees sees 0.91 to 1 straight, guided light comes at 0 to
+/// 0.7: for these together, of even radiance, the map is off by 0.04 % at most (see the test).
 pub const MAP_COSINES: [f64; 2] = [0.3, 0.96];
 
 /// What tissue does with light that enters it.
@@ -49,7 +49,8 @@ pub struct HalfSpace<T> {
     pub toward: [T; 2],
     /// Factors of what the map holds, between its directions.
     pub between: [T; 2],
-    /// What the map's numbers get of themselves by light that the boundary mirrors back through true contact: rows `[to][from]`.
+    /// What the map's numbers get of themselves by light that the boundary mirrors back through true contact: rows
+    /// `[to][from]`.
     pub reentry_contact: [[T; 2]; 2],
     /// The same through the air gap.
     pub reentry_gap: [[T; 2]; 2],
@@ -100,7 +101,8 @@ impl Scatter<f64> {
         Self::HalfSpace(found)
     }
 
-    /// What the boundary mirrors back into the tissue of the map's two numbers, at a share of true contact: rows `[to][from]`.
+    /// What the boundary mirrors back into the tissue of the map's two numbers, at a share of true contact: rows
+    /// `[to][from]`.
     pub fn reentry(&self, share: f64) -> [[f64; 2]; 2] {
         let mix = |gap: f64, contact: f64| gap + share * (contact - gap);
         match self {

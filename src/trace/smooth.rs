@@ -1,9 +1,9 @@
 //! Smoothing of a density over a face whose edges it must not feel.
 //!
-//! The kernel is three boxes along each axis. A straight line is fitted with it about each texel, over the area that there is
-//! (local linear regression: Fan and Gijbels 1996, Local Polynomial Modelling), so slopes are kept up to the edges. That, S,
-//! is used as 2 S - S S: the twiced kernel has no second moment, so where the density varies smoothly the bias falls
-//! with the fourth power of the width (Stuetzle and Mittal 1979).
+//! The kernel is three boxes along each axis. A straight line is fitted with it about each texel, over the area that
+//! there is (local linear regression: Fan and Gijbels 1996, Local Polynomial Modelling), so slopes are kept up to the
+//! edges. That, S, is used as 2 S - S S: the twiced kernel has no second moment, so where the density varies smoothly
+//! the bias falls with the fourth power of the width (Stuetzle and Mittal 1979).
 
 /// Smooths densities over one face with one width.
 pub struct Smoother {

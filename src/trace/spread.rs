@@ -1,11 +1,11 @@
 //! Light that spreads sideways in the tissue: what enters here leaves around here.
 //!
-//! Light that enters the tissue survives with the chance a (its albedo), leaves it at a distance r of the Christensen-Burley
-//! profile p(r) = (exp(-r/d) + exp(-r/3d)) / (8 pi d r) and is mirrored back at the boundary with a chance rho. So the
-//! exitance B towards the boundary is that of B = a p * (Phi + rho B) where there is tissue, * the convolution, Phi what
-//! enters. Where tissue is a half space, Phi and B are two numbers, what leaves towards the map's two directions (`scatter.rs`): a is in
-//! Phi and in rho, which then mixes both. Photons could draw each such step; the convolution, by Fourier transforms, adds no noise and takes most of
-//! what Phi has.
+//! Light that enters the tissue survives with the chance a (its albedo), leaves it at a distance r of the
+//! Christensen-Burley profile p(r) = (exp(-r/d) + exp(-r/3d)) / (8 pi d r) and is mirrored back at the boundary with a
+//! chance rho. So the exitance B towards the boundary is that of B = a p * (Phi + rho B) where there is tissue, * the
+//! convolution, Phi what enters. Where tissue is a half space, Phi and B are two numbers, what leaves towards the map's
+//! two directions (`scatter.rs`): a is in Phi and in rho, which then mixes both. Photons could draw each such step; the
+//! convolution, by Fourier transforms, adds no noise and takes most of what Phi has.
 
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
@@ -25,7 +25,8 @@ pub struct Spread {
     rows: usize,
     /// Size of the padded grid.
     size: [usize; 2],
-    /// Spectrum of albedo times profile times the area of a texel, over the number of cells; real, since the profile is even.
+    /// Spectrum of albedo times profile times the area of a texel, over the number of cells; real, since the profile is
+    /// even.
     spectrum: Vec<f64>,
     /// What the boundary mirrors back into the tissue of the two maps, rows `[to][from]`; 0 where there is none.
     reentry: Vec<[[f64; 2]; 2]>,
@@ -52,7 +53,8 @@ impl Spread {
         spread
     }
 
-    /// Exitance of two maps at once, from the flux that enters: the kernel is even, so one may travel as the imaginary part.
+    /// Exitance of two maps at once, from the flux that enters: the kernel is even, so one may travel as the imaginary
+    /// part.
     pub fn exitance(&self, entering: [&[f64]; 2]) -> [Vec<f64>; 2] {
         let mut total = vec![Complex::new(0.0, 0.0); self.columns * self.rows];
         let mut source: Vec<Complex<f64>> =
@@ -87,8 +89,8 @@ impl Spread {
         grid.chunks(self.size[0]).take(self.rows).flat_map(|row| row[..self.columns].iter().copied()).collect()
     }
 
-    /// Fourier transform over both axes, without a factor; the forward one leaves the grid transposed, the other turns it
-    /// back.
+    /// Fourier transform over both axes, without a factor; the forward one leaves the grid transposed, the other turns
+    /// it back.
     fn transform(&self, grid: &mut Vec<Complex<f64>>, forward: bool) {
         let [columns, rows] = self.size;
         let [ahead, back] = &self.plans;

@@ -1,14 +1,17 @@
 //! What a render may have missed where it found no light.
 //!
-//! A sum of nothing has no spread, yet few paths prove little. Of N independent paths of which none found light, at most 3/N find it in
-//! 95 % of such cases (e^-3 = 0.05: the rule of three), each at most the brightest light there is. That is the brightest LED in a dark
-//! image, and in a lit one the largest single find: variance over mean of a pixel is a find over the number of its paths. The variance
-//! stated for a pixel without light is that of a normal error whose 95 % interval ends there.
+//! A sum of nothing has no spread, yet few paths prove little. Of N independent paths of which none found light, at
+//! most 3/N find it in 95 % of such cases (e^-3 = 0.05: the rule of three), each at most the brightest light there is.
+//! That is the brightest LED in a dark image, and in a lit one the largest single find: variance over mean of a pixel
+//! is a find over the number of its paths. The variance stated for a pixel without light is that of a normal error
+//! whose 95 % interval ends there.
 //!
-//! Over a whole image the same three finds bound all dark pixels together, not each of them: their sum is known much better.
+//! Over a whole image the same three finds bound all dark pixels together, not each of them: their sum is known much
+//! better.
 //!
-//! Exactly dark is what geometry forbids: pixels that look past the stack; and all of an image of flat, smooth, untouched layers whose
-//! LEDs send only light with s = n sin(theta) beyond that of the camera's rays. Between such layers no path changes its s.
+//! Exactly dark is what geometry forbids: pixels that look past the stack; and all of an image of flat, smooth,
+//! untouched layers whose LEDs send only light with s = n sin(theta) beyond that of the camera's rays. Between such
+//! layers no path changes its s.
 
 use super::kernel::{Kernel, ShapePiece};
 use super::leds::Led;
@@ -19,8 +22,8 @@ use std::f64::consts::PI;
 
 /// Largest expected number of finds of which none is seen in 5 % of all cases.
 const NONE_SEEN: f64 = 3.0;
-/// Most that rises in tissue over what enters it: what the boundary mirrors back rises again, 1 / (1 - R) with a diffuse internal
-/// reflectance R of at most 0.6 up to an index of 1.5.
+/// Most that rises in tissue over what enters it: what the boundary mirrors back rises again, 1 / (1 - R) with a
+/// diffuse internal reflectance R of at most 0.6 up to an index of 1.5.
 const RISEN: f64 = 2.5;
 /// Half of a normal 95 % interval, standard deviations.
 const NORMAL_95: f64 = 1.96;
@@ -110,8 +113,8 @@ fn lowest_index(model: &Model<f64>) -> f64 {
     model.layers[1..model.layers.len() - 1].iter().map(|layer| layer.n).fold(f64::INFINITY, f64::min)
 }
 
-/// Mean radiance of tissue that no photon found lit: the flux that enters is at most 3 of so many photons, and rises about as Lambert
-/// has it, seen by the whole image.
+/// Mean radiance of tissue that no photon found lit: the flux that enters is at most 3 of so many photons, and rises
+/// about as Lambert has it, seen by the whole image.
 fn missed_by_photons(model: &Model<f64>, traced: Traced, pixels: f64) -> f64 {
     let Some(tissue) = model.tissue.as_ref().filter(|_| traced.method != Method::Path) else {
         return 0.0;
@@ -160,8 +163,8 @@ fn known_dark(model: &Model<f64>) -> Option<&'static str> {
     guided.then_some("flat, smooth layers that nothing touches guide all light of the LEDs past what the camera sees")
 }
 
-/// Smallest s = n sin(theta) of light that an LED sends into the stack. The vertical part of its momentum is at most that at the
-/// cut-off; behind a clear wall it stays what it was in the surround, and the rest of n grows sideways.
+/// Smallest s = n sin(theta) of light that an LED sends into the stack. The vertical part of its momentum is at most
+/// that at the cut-off; behind a clear wall it stays what it was in the surround, and the rest of n grows sideways.
 fn least_s(model: &Model<f64>, led: &Led<f64>) -> f64 {
     let n = lowest_index(model);
     let sin_sq = 1.0 - led.cos_cutoff * led.cos_cutoff;
@@ -205,8 +208,8 @@ mod tests {
         (film, unseen)
     }
 
-    /// Dark pixels of a lit film: what is stated covers what a long render finds there, in at least 95 % of all of them, and 0 does not.
-    /// The bound of the whole holds for all of them together.
+    /// Dark pixels of a lit film: what is stated covers what a long render finds there, in at least 95 % of all of
+    /// them, and 0 does not. The bound of the whole holds for all of them together.
     #[test]
     fn light_that_was_missed_lies_within_what_is_stated() {
         let model = model(&seen_by("contact-disc", [8, 6]));
@@ -235,7 +238,8 @@ mod tests {
         assert!(far <= 0.05 * f64::from(seeds), "{far}");
     }
 
-    /// A dozen paths in the dark prove little: the mean and the error hold the true light, and fall with the number of paths.
+    /// A dozen paths in the dark prove little: the mean and the error hold the true light, and fall with the number of
+    /// paths.
     #[test]
     fn a_film_without_light_is_bounded_by_the_brightest_led() {
         let model = model(&seen_by("contact-disc", [2, 2]));
@@ -257,9 +261,11 @@ mod tests {
         let bound =
             |spp| Unseen::of(&model, film, Traced { method: Method::Path, spp, photons: 0 }).absolute_error(film);
         assert!((bound(64) / bound(1024) - 16.0).abs() < 1e-6);
-        // No pixel is brighter than an LED, however few the paths: of one path a pixel, three finds in three of four pixels.
+        // No pixel is brighter than an LED, however few the paths: of one path a pixel, three finds in three of four
+        // pixels.
         assert!((bound(1) * 1.96 / model.unit_radiance - 0.75f64.sqrt()).abs() < 1e-6, "{}", bound(1));
-        // Where photons gather the light, theirs adds to what camera paths leave open: three of one photon are more than there is.
+        // Where photons gather the light, theirs adds to what camera paths leave open: three of one photon are more
+        // than there is.
         let map = |photons| Unseen::of(&model, film, Traced { method: Method::Map, spp: 1 << 20, photons }).mean_below;
         let paths = 3.0 / f64::from(4 << 20) * model.unit_radiance;
         let by_photons = |photons| map(photons).unwrap() - paths;

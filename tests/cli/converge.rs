@@ -1,4 +1,5 @@
-//! `converge`: rungs with errors and times, kept one by one; a fault in a rung shows as an error that samples do not cure.
+//! `converge`: rungs with errors and times, kept one by one; a fault in a rung shows as an error that samples do not
+//! cure.
 
 use super::frames::names;
 use super::*;
@@ -31,8 +32,8 @@ fn a_contact_scene_has_ladders_pictures_and_a_table() {
             assert!(rung["seconds"].as_f64().unwrap() > 0.0 && rung["repeats"] == 3, "{rung}");
         }
     }
-    // More samples, less noise: that the splat's error halves from 16 to 64 lies within both intervals. The quotient of the values says
-    // less: rare bright photons spread it from 0.9 to 2 over seeds 1 to 4.
+    // More samples, less noise: that the splat's error halves from 16 to 64 lies within both intervals. The quotient of
+    // the values says less: rare bright photons spread it from 0.9 to 2 over seeds 1 to 4.
     let error = |setting: &str| {
         let rung = rungs.iter().find(|r| r["series"] == "splat" && r["setting"] == setting).unwrap();
         ["low", "high"].map(|end| rung["error"][end].as_f64().unwrap())

@@ -102,8 +102,8 @@ fn a_second_run_of_a_folder_is_refused_at_once_and_a_killed_one_leaves_no_trace(
     assert_eq!(names(&place.path().join("new")), ["other", "result"]);
 }
 
-/// This press is meshed within a second; then its first factorisation takes minutes, and nothing interrupts it. Wherever the
-/// signals meet it (the pause is for the second stage, and no verdict hangs on it), it stops.
+/// This press is meshed within a second; then its first factorisation takes minutes, and nothing interrupts it.
+/// Wherever the signals meet it (the pause is for the second stage, and no verdict hangs on it), it stops.
 #[test]
 fn a_stop_does_not_wait_for_a_factorisation() {
     let place = Place::new();

@@ -25,8 +25,8 @@ fn brighter(film: &Film, by: f32) -> Film {
     film
 }
 
-/// The sharp rim of contact crosses pixels whose few samples may all fall on one side: 75 of 100 such images were once called
-/// different from one of many samples.
+/// The sharp rim of contact crosses pixels whose few samples may all fall on one side: 75 of 100 such images were once
+/// called different from one of many samples.
 #[test]
 fn images_of_one_light_are_seldom_called_different() {
     let (_, model) = few_pixels();

@@ -79,7 +79,8 @@ fn intervals_hold_the_mean_over_seeds_and_noise_is_told() {
         // 95 of 100 expected; four standard deviations are 9.
         println!("figure {number}: {held} of {n}");
         assert!(held * 100 >= 86 * n, "figure {number}: {held} of {n} hold {mean}");
-        // Nor is it held by being wide: half widths are 2.13 spreads and less, and the spread of 100 seeds is good to 7 %.
+        // Nor is it held by being wide: half widths are 2.13 spreads and less, and the spread of 100 seeds is good to 7
+        // %.
         let spread = (known.iter().map(|known| (known[0] - mean).powi(2)).sum::<f64>() / (n - 1) as f64).sqrt();
         let half = known.iter().map(|[_, low, high]| 0.5 * (high - low)).sum::<f64>() / n as f64;
         assert!(half < 1.5 * 2.13 * spread, "figure {number}: half width {half} for a spread of {spread}");

@@ -1,9 +1,9 @@
 //! Fresh GPU renders against stored images, made by the twin in f64 with camera paths alone.
 //!
-//! `golden/NAME/scene.toml` is the scene, `radiance.exr` its image, `README.md` says how it was made. Contact scenes are
-//! rendered by `splat`, or by smoothed maps where they are deformed, so that their light is found in another way than it was for
-//! the stored image. With `TIRTOUCH_REGENERATE_GOLDEN=1`, or a name in place of 1, the images and their READMEs are written anew,
-//! and the test fails saying so.
+//! `golden/NAME/scene.toml` is the scene, `radiance.exr` its image, `README.md` says how it was made. Contact scenes
+//! are rendered by `splat`, or by smoothed maps where they are deformed, so that their light is found in another way
+//! than it was for the stored image. With `TIRTOUCH_REGENERATE_GOLDEN=1`, or a name in place of 1, the images and their
+//! READMEs are written anew, and the test fails saying so.
 
 use crate::adapter::require_gpu;
 use crate::films::{failed, film, gpu};

@@ -13,8 +13,8 @@ use tirtouch::trace::{Backend, BackendChoice, Model, Precision, TraceError};
 
 const WORK: Work = Work { spp: 4, photons: 1 << 14 };
 
-/// `contact-disc` under lamps of 100 cd at 5 degrees and 60 at 45, with so many on the axis: the first cell of the tracer's table
-/// is read at 5.07 degrees, so that all these lamps are one.
+/// `contact-disc` under lamps of 100 cd at 5 degrees and 60 at 45, with so many on the axis: the first cell of the
+/// tracer's table is read at 5.07 degrees, so that all these lamps are one.
 fn lamps(axis_candela: &str) -> LoadedScene {
     let mut loaded = Case::preset("contact-disc").loaded;
     loaded.folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
@@ -49,7 +49,8 @@ fn a_lamp_that_is_dim_or_dark_on_its_axis_shines_as_any_other() {
     }
 }
 
-/// The radiance of the scene is that along the normal: a lamp a million times as bright elsewhere makes a million times the light.
+/// The radiance of the scene is that along the normal: a lamp a million times as bright elsewhere makes a million times
+/// the light.
 #[test]
 fn the_radiance_along_the_normal_scales_a_lamp_that_is_brighter_elsewhere() {
     let of = |axis: &str| {
@@ -103,7 +104,8 @@ fn traced(mut backend: Backend, model: &Model<f64>, method: Method) -> Result<Ve
     batch.replicate(0, WORK, &mut |_, _| true)
 }
 
-/// A path's sum holds 65,536 units, a deposit's cell 2^32 photons: LEDs of 1e12 units, seen through faces that let a hundredth through, and tissue whose 1/n^2 is 1e16.
+/// A path's sum holds 65,536 units, a deposit's cell 2^32 photons: LEDs of 1e12 units, seen through faces that let a
+/// hundredth through, and tissue whose 1/n^2 is 1e16.
 #[test]
 fn light_beyond_what_the_sums_hold_is_reported_and_does_not_wrap() {
     let good = model(&lamps("100"));

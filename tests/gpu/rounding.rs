@@ -3,7 +3,8 @@
 //! The twin run in [`Rounded`] asks: which histories could this path have had, had the arithmetic rounded otherwise?
 //! Each operation is as inexact as the difference of two tracers that obey the precision Vulkan asks for (in ulps of
 //! f32, 2^-23, one half of them the other tracer's): sums and products 1, divisions 3, square roots 3. For exponentials
-//! and logarithms 8, and for sines and cosines 2^-20 absolute, which is what drivers deliver (Vulkan would allow 2^-11).
+//! and logarithms 8, and for sines and cosines 2^-20 absolute, which is what drivers deliver (Vulkan would allow
+//! 2^-11).
 
 use num_traits::{Float, FromPrimitive, Num, NumCast, One, ToPrimitive, Zero};
 use std::cell::Cell;

@@ -77,8 +77,8 @@ pub fn presets() -> Vec<Case> {
     PRESETS.iter().map(|(name, _)| Case::preset(name)).filter(|case| case.loaded.scene.press.is_none()).collect()
 }
 
-/// What the presets leave out: height fields of both kinds, a mesh, mirrors, a lens, a tabulated LED, contact on a deformed face and
-/// on a mesh, a press.
+/// What the presets leave out: height fields of both kinds, a mesh, mirrors, a lens, a tabulated LED, contact on a
+/// deformed face and on a mesh, a press.
 pub fn variants() -> Vec<Case> {
     let dent = Shape::GaussianDent { depth_mm: 1.0, sigma_mm: 1.5, center_mm: [0.5, -1.0] };
     write_files();

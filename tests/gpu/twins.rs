@@ -1,8 +1,9 @@
 //! GPU against CPU twin, path by path.
 //!
-//! Both trace the same paths from the same random numbers, and their event histories must agree: of every kind of camera path and
-//! photon that a scene allows. So must the light that photons leave, cell by cell. Where two histories differ, the twin is run again in Monte Carlo arithmetic: the difference is explained when other roundings of the same path take
-//! the GPU's branch. An index that is off by 0.005 is not explained so.
+//! Both trace the same paths from the same random numbers, and their event histories must agree: of every kind of
+//! camera path and photon that a scene allows. So must the light that photons leave, cell by cell. Where two histories
+//! differ, the twin is run again in Monte Carlo arithmetic: the difference is explained when other roundings of the
+//! same path take the GPU's branch. An index that is off by 0.005 is not explained so.
 
 use crate::adapter::require_gpu;
 use crate::films::gpu;
@@ -31,8 +32,8 @@ const WORDS: usize = 64;
 const RUNS: u64 = 1024;
 /// Share of the paths that may differ.
 const DIFFERING: f64 = 1e-4;
-/// Share of the light that photons may leave in other cells: a photon in a thousand within rounding of a border, or on another way
-/// after a branch that rounding decides.
+/// Share of the light that photons may leave in other cells: a photon in a thousand within rounding of a border, or on
+/// another way after a branch that rounding decides.
 const LIGHT: f64 = 2e-3;
 /// Differences of a scene that are looked into; with more of them the share is too high anyway.
 const LOOKED_INTO: usize = 16;

@@ -1,4 +1,5 @@
-//! The guard of the stability table that looks at a path of the twin between any two steps of its walk, and its own test.
+//! The guard of the stability table that looks at a path of the twin between any two steps of its walk, and its own
+//! test.
 
 pub use tirtouch::stability::watch::{Seen, direction};
 use tirtouch::trace::cpu::{End, Limits, Path};

@@ -1,8 +1,10 @@
-//! The error that a press states of itself, against a finer mesh: the shipped neo-Hookean phantom at 4 mm, default mesh.
+//! The error that a press states of itself, against a finer mesh: the shipped neo-Hookean phantom at 4 mm, default
+//! mesh.
 //!
 //! At this depth the sensor's sharp edge folds on some meshes and not on others: equilibria side by side, 1e-3 apart in
-//! force and pressure, which no finer mesh ends (docs/decisions/mechanics-ladders.md). The default folds, the truths here do
-//! not. With an inclusion, a mesh three times as fine as the default gives the same error as the one twice as fine here.
+//! force and pressure, which no finer mesh ends (docs/decisions/mechanics-ladders.md). The default folds, the truths
+//! here do not. With an inclusion, a mesh three times as fine as the default gives the same error as the one twice as
+//! fine here.
 
 use super::answers::phantom::{errors, run};
 

@@ -155,11 +155,12 @@ fn a_cylinder_pushed_sideways_sticks_in_the_middle_as_cattaneo_and_mindlin_say()
 
 /// A flat punch of radius a, pressed straight down, sticks within c; beyond, the half space slips inwards.
 ///
-/// Close to nu = 1/2 shear leaves the pressure p as it is (Goodman, J. Appl. Mech. 29, 515, 1962). With the Hankel transforms P of
-/// p and Q of the shear q, nothing moves sideways where int (Q - beta P) J1(k r) dk = 0, beta = (1 - 2 nu)/(2 (1 - nu)). Take
-/// q = mu p + q* with q* within c, and the transform of q* as int_0^c phi(t) sin(k t) dt: by Abel's equation phi(t) is
-/// (beta/pi) ln((a + t)/(a - t)) - mu (2/pi) (t/a) K'(t/a) but for a factor, K' the complete elliptic integral of the complementary
-/// modulus. q is bounded where phi(c) = 0 (Spence, J. Elasticity 5, 297, 1975, has the same condition).
+/// Close to nu = 1/2 shear leaves the pressure p as it is (Goodman, J. Appl. Mech. 29, 515, 1962). With the Hankel
+/// transforms P of p and Q of the shear q, nothing moves sideways where int (Q - beta P) J1(k r) dk = 0, beta = (1 - 2
+/// nu)/(2 (1 - nu)). Take q = mu p + q* with q* within c, and the transform of q* as int_0^c phi(t) sin(k t) dt: by
+/// Abel's equation phi(t) is (beta/pi) ln((a + t)/(a - t)) - mu (2/pi) (t/a) K'(t/a) but for a factor, K' the complete
+/// elliptic integral of the complementary modulus. q is bounded where phi(c) = 0 (Spence, J. Elasticity 5, 297, 1975,
+/// has the same condition).
 #[test]
 fn a_flat_punch_pressed_down_sticks_in_its_middle() {
     let (far, size, poisson): (f64, f64, f64) = (200.0, 0.01, 0.49);

@@ -1,4 +1,5 @@
-//! A smooth incompressible flow of known forces: u = c (sin z + cos y, ...) in three dimensions, c (sin z, cos x) in two.
+//! A smooth incompressible flow of known forces: u = c (sin z + cos y, ...) in three dimensions, c (sin z, cos x) in
+//! two.
 
 use tirtouch::mechanics::element::{QuadraturePoint, Shape};
 use tirtouch::mechanics::kinematics::Kinematics;

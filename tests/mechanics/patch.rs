@@ -1,8 +1,8 @@
 //! The patch test: a linear displacement, prescribed on the boundary of a distorted mesh with curved edges, is found
 //! inside with its uniform stress.
 //!
-//! Tolerance 1e-10: Newton's method ends at a residual of 1e-9 of the forces and converges quadratically, so that the last
-//! step leaves round-off times the condition of the incompressible tangent (1e4).
+//! Tolerance 1e-10: Newton's method ends at a residual of 1e-9 of the forces and converges quadratically, so that the
+//! last step leaves round-off times the condition of the incompressible tangent (1e4).
 
 use super::answers::{Solved, held_around};
 use tirtouch::mechanics::kinematics::Kinematics;
@@ -68,7 +68,8 @@ fn distorted_patches_carry_a_uniform_strain_exactly() {
         for law in laws() {
             for poisson in [0.0, 0.3, 0.4999] {
                 let material = Material::elastic(law.clone(), poisson).unwrap();
-                // Stresses near the incompressible limit carry the bulk modulus, 5000 shear moduli, as a factor of round-off.
+                // Stresses near the incompressible limit carry the bulk modulus, 5000 shear moduli, as a factor of
+                // round-off.
                 let scale = material.bulk_kpa() / material.law.shear_kpa();
                 let (_, [displacement, stress]) = patch(kinematics, material, &gradient);
                 assert!(displacement < TOLERANCE, "{kinematics:?} {law:?} nu {poisson}: {displacement:e}");

@@ -1,5 +1,5 @@
-//! Orders of convergence: 3 for the displacement and 2 for the pressure, in L2; 2 and 1 where pressures are constant in each
-//! element (Boffi, Brezzi and Fortin, Mixed Finite Element Methods and Applications, 2013, 8.6.3).
+//! Orders of convergence: 3 for the displacement and 2 for the pressure, in L2; 2 and 1 where pressures are constant in
+//! each element (Boffi, Brezzi and Fortin, Mixed Finite Element Methods and Applications, 2013, 8.6.3).
 //!
 //! Between two rungs the order varies by a few hundredths around the asymptotic one: asked for to 0.2.
 

@@ -51,8 +51,8 @@ fn brighter(film: &Film, k: f32) -> Film {
     out
 }
 
-/// A preset with few pixels and large LEDs, two at each wall: paths find them so often that a second tells methods apart
-/// that differ by 2 %. A disc of contact is made larger, for the same reason.
+/// A preset with few pixels and large LEDs, two at each wall: paths find them so often that a second tells methods
+/// apart that differ by 2 %. A disc of contact is made larger, for the same reason.
 fn bright(preset: &str) -> LoadedScene {
     let mut loaded = bench::sensor(preset);
     let camera = &mut loaded.scene.camera;

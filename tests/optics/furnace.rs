@@ -27,8 +27,8 @@ fn walk_through<T: Real>(path: &mut Path<T>) -> End {
 }
 
 /// A lossless body of volume V_k in layers of index n_k, in the uniform radiance L of air outside, holds n_k^2 L in
-/// each layer. So the light that goes in, pi L times the surface, runs 4 pi n_k^2 L V_k mm in layer k: the mean length of
-/// a path there is 4 n_k^2 V_k over the surface, whatever scatters it (Blanco and Fournier 2003 for n = 1). This is
+/// each layer. So the light that goes in, pi L times the surface, runs 4 pi n_k^2 L V_k mm in layer k: the mean length
+/// of a path there is 4 n_k^2 V_k over the surface, whatever scatters it (Blanco and Fournier 2003 for n = 1). This is
 /// Fresnel, refraction, total reflection, walls and tissue in one number; a face that reflects 1 % more from one side
 /// than from the other moves it by 1 %.
 #[test]

@@ -13,7 +13,8 @@ fn emitted_light_is_accounted_for_to_1e_6_on_every_preset() {
     for (name, _) in scene::PRESETS {
         let mut loaded = bench::sensor(name);
         if let Some(press) = &mut loaded.scene.press {
-            // The paper's nine phantoms differ in their inclusions; one of each series, at a small load of coarse elements.
+            // The paper's nine phantoms differ in their inclusions; one of each series, at a small load of coarse
+            // elements.
             if !["phantom-size-14mm", "phantom-depth-3mm", "phantom-stiffness-44.5kpa"].contains(name) {
                 continue;
             }
@@ -58,7 +59,8 @@ fn the_camera_sees_nothing_through_the_papers_flat_stack() {
     }
 }
 
-/// An edge LED in air sends this share of its light steeper than a guide of index n traps, and `entering` of it gets in.
+/// An edge LED in air sends this share of its light steeper than a guide of index n traps, and `entering` of it gets
+/// in.
 fn steep(n: f64) -> [f64; 2] {
     // Lambertian: sin^2 is uniform and so is the azimuth; steep where sin^2 cos^2(phi) > n^2 - 1.
     let bound = n * n - 1.0;

@@ -26,7 +26,8 @@ fn images(surface: &Surface) -> Vec<f64> {
     (1..=16).map(image).collect()
 }
 
-/// The dent in rings about its axis; with a crease the rim's vertices are there twice, so that no normal is a mean over both sides.
+/// The dent in rings about its axis; with a crease the rim's vertices are there twice, so that no normal is a mean over
+/// both sides.
 fn rings(crease: bool) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let step = DENT.rim_mm / f64::from(RINGS);
     let mut radii: Vec<f64> = (0..=RINGS).map(|k| f64::from(k) * step).collect();
@@ -47,7 +48,8 @@ fn rings(crease: bool) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (vertices, triangles)
 }
 
-/// How much brighter the triangles, with interpolated normals, are than the closed form, and the standard error of that, as shares.
+/// How much brighter the triangles, with interpolated normals, are than the closed form, and the standard error of
+/// that, as shares.
 fn brighter((vertices, triangles): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> [f64; 2] {
     let exact = images(&Surface::Cap { cap: DENT, share: vec![0.0, 0.0, 0.0, 0.0, 1.0] });
     let found = images(&Surface::Mesh(Mesh::build(&vertices, &triangles, true).unwrap()));

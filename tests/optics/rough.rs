@@ -78,8 +78,8 @@ fn roughness_never_gains_weight() {
 
 #[test]
 fn microfacets_seen_head_on_are_tilted_as_ggx_says() {
-    // The normals seen from straight above are spread as D cos: tan^2 = alpha^2 u / (1 - u) for uniform u. Each reflects
-    // by its own angle, totally beyond the critical one: a mean that only the right distribution gives.
+    // The normals seen from straight above are spread as D cos: tan^2 = alpha^2 u / (1 - u) for uniform u. Each
+    // reflects by its own angle, totally beyond the critical one: a mean that only the right distribution gives.
     for alpha in [0.2, 0.5] {
         let steps = 1_000_000;
         let mean = (0..steps)

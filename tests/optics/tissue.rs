@@ -106,8 +106,9 @@ fn light_leaves_the_tissue_at_christensen_and_burleys_distance_and_in_every_dire
     bench::chi_square("directions", &turns, &[f64::from(n) / 64.0; 64]);
 }
 
-/// Chandrasekhar's H functions: 1 and 0.01 per mm return 0.754 of light that comes along the normal, 0.816 at 60 degrees and 0.7955
-/// of Lambertian light; 1 and 0.1 per mm 0.4955 of that. `optics::tissue` is held to these, and here the tracer to it.
+/// Chandrasekhar's H functions: 1 and 0.01 per mm return 0.754 of light that comes along the normal, 0.816 at 60
+/// degrees and 0.7955 of Lambertian light; 1 and 0.1 per mm 0.4955 of that. `optics::tissue` is held to these, and here
+/// the tracer to it.
 #[test]
 fn tissue_given_by_coefficients_returns_what_the_angle_of_the_light_asks_for() {
     for (what, absorption, cosine, listed) in

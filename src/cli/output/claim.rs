@@ -1,9 +1,10 @@
 //! Who writes an output folder: one run at a time.
 //!
-//! A claim is a locked file beside the folder. The system lets go of a lock when its program ends, however it ends, so no
-//! lock can go stale; what a killed run left is swept away by the next one that writes the same folder. NFS passes such locks
-//! on to its server, so that runs on two machines see each other. A file system that has none (some mounts of Lustre) still
-//! creates a file once only: there a file that a killed run left has to be removed by hand, and the message says so.
+//! A claim is a locked file beside the folder. The system lets go of a lock when its program ends, however it ends, so
+//! no lock can go stale; what a killed run left is swept away by the next one that writes the same folder. NFS passes
+//! such locks on to its server, so that runs on two machines see each other. A file system that has none (some mounts
+//! of Lustre) still creates a file once only: there a file that a killed run left has to be removed by hand, and the
+//! message says so.
 
 use crate::cli::{Failure, cancel};
 use std::fs::{File, TryLockError};

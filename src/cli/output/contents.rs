@@ -1,7 +1,8 @@
 //! What a finished folder says of itself, and by what this program knows it again.
 //!
-//! `scene.toml` is the scene as it was read, `result.json` what `--json` prints, with the command line. `SHA256SUMS` lists
-//! all files, for `sha256sum -c` and for `--force`: a folder is replaced only while it holds those files and nothing else.
+//! `scene.toml` is the scene as it was read, `result.json` what `--json` prints, with the command line. `SHA256SUMS`
+//! lists all files, for `sha256sum -c` and for `--force`: a folder is replaced only while it holds those files and
+//! nothing else.
 
 use crate::cli::Failure;
 use serde_json::{Value, json};

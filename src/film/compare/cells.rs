@@ -36,9 +36,10 @@ impl Cells<'_> {
         })
     }
 
-    /// Least variances of pixels that few samples may have taken for even. Of n samples of a pixel that a border crosses all may
-    /// fall on one side; what lies beyond has then at most 3/n of it in 95 of 100 cases (the rule of three) and is as bright as a
-    /// neighbour at most. A number of that share has the variance 3 d^2 / n^2 where the neighbour differs by d, its noise taken off.
+    /// Least variances of pixels that few samples may have taken for even. Of n samples of a pixel that a border
+    /// crosses all may fall on one side; what lies beyond has then at most 3/n of it in 95 of 100 cases (the rule of
+    /// three) and is as bright as a neighbour at most. A number of that share has the variance 3 d^2 / n^2 where the
+    /// neighbour differs by d, its noise taken off.
     pub fn across_borders(&self, samples: f64) -> Vec<f32> {
         let columns = self.columns.max(1) as usize;
         let at = |column: usize, row: usize| {
@@ -69,8 +70,8 @@ impl Cells<'_> {
         self.iter().next().unwrap_or_default()
     }
 
-    /// Variance per radiance, the weight of one contribution, around each cell; that of the whole film where the neighbourhood is
-    /// dark, perhaps by chance; none where the film is.
+    /// Variance per radiance, the weight of one contribution, around each cell; that of the whole film where the
+    /// neighbourhood is dark, perhaps by chance; none where the film is.
     pub fn weights(&self) -> Vec<Option<f64>> {
         let tiles = Tiles::new(self.columns, self.mean.len());
         let mut sums = vec![(0.0, 0.0); tiles.count()];

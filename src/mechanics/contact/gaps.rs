@@ -20,8 +20,8 @@ pub struct Positions<'a> {
 }
 
 impl Contact {
-    /// The constraints of all touched nodes, and the stiffness that the pressures `pressure` get from the bending of the
-    /// gaps.
+    /// The constraints of all touched nodes, and the stiffness that the pressures `pressure` get from the bending of
+    /// the gaps.
     pub fn gaps(&self, at: Positions, pressure: &[f64]) -> (Vec<NodeGap>, Bending) {
         // Bonded faces keep the pairs that they had when they met.
         let bonded = self.grip == Grip::Bonded;

@@ -136,7 +136,8 @@ struct Mover {
 pub type Add<'a> = dyn FnMut(u32, u32, [[f64; 3]; 3], [[f64; 3]; 3]) + 'a;
 
 impl Meeting<'_> {
-    /// Calls `add` with the second derivatives of the gap by pairs of nodes, the touched ones with shape functions `shape`.
+    /// Calls `add` with the second derivatives of the gap by pairs of nodes, the touched ones with shape functions
+    /// `shape`.
     pub fn for_second(&self, own: &[u32], shape: &[f64; 9], add: &mut Add) {
         match &self.second {
             Second::Zero => {}
@@ -151,8 +152,9 @@ impl Meeting<'_> {
         }
     }
 
-    /// The force n W_a on node a turns with n and moves with W_a: with D the motion of the point along a face and E the turning
-    /// of that face, -(D E) of the touched one and -(E D) of the counterpart. Where both turn together it is symmetric.
+    /// The force n W_a on node a turns with n and moves with W_a: with D the motion of the point along a face and E the
+    /// turning of that face, -(D E) of the touched one and -(E D) of the counterpart. Where both turn together it is
+    /// symmetric.
     fn faces_second(&self, faces: &Faces, own: &[u32], shape: &[f64; 9], add: &mut Add) {
         let mover = |body: usize, sign: f64| {
             move |(place, (&node, &n)): (usize, (&u32, &f64))| Mover { node, weight: sign * n, body, place }
@@ -186,8 +188,8 @@ impl Meeting<'_> {
         }
     }
 
-    /// Gradient of the gap by the node at `place` of weight `n`, the `own` touched ones first: along the touched face's normal,
-    /// less the counterpart's slope times the motion of the foot.
+    /// Gradient of the gap by the node at `place` of weight `n`, the `own` touched ones first: along the touched face's
+    /// normal, less the counterpart's slope times the motion of the foot.
     pub fn gradient(&self, place: usize, n: f64, own: usize) -> [f64; 3] {
         let mut gradient = self.normal.map(|c| n * c);
         let Second::Faces(faces) = &self.second else { return gradient };
@@ -205,12 +207,12 @@ impl Meeting<'_> {
     }
 }
 
-/// Least cosine of a face's tilt at which faces approach along the axis and not along the normal: on a steep rim, what little
-/// the normal turns would be divided by it.
+/// Least cosine of a face's tilt at which faces approach along the axis and not along the normal: on a steep rim, what
+/// little the normal turns would be divided by it.
 const LEAST_COSINE: f64 = 0.6;
 
-/// Part of a relative motion along the face with this normal. What closed the gap before the faces touched went along the
-/// axis `up` and is no slip; seen along a tilted normal it would be.
+/// Part of a relative motion along the face with this normal. What closed the gap before the faces touched went along
+/// the axis `up` and is no slip; seen along a tilted normal it would be.
 pub fn along_face(motion: [f64; 3], normal: [f64; 3], up: usize) -> [f64; 3] {
     let square = dot(normal, normal);
     if normal[up].abs() < LEAST_COSINE * square.sqrt() {

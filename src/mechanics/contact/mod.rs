@@ -1,10 +1,10 @@
 //! Contact of a body's face with a rigid profile or with another body's face.
 //!
-//! Pressure lives on the nodes of the touched face as hat functions over half facets (they are never negative, unlike the
-//! quadratic ones), and the gap is averaged with the same hats over Gauss points: a mortar method, which passes the contact
-//! patch test on meshes that do not match. A node is in contact where pressure - eps * gap > 0 (Alart and Curnier 1991);
-//! Newton's tangent is that of a stiff spring eps, its residual that of exact contact: each step brings both the
-//! forces and the gaps closer. Tractions are per area of the undeformed face.
+//! Pressure lives on the nodes of the touched face as hat functions over half facets (they are never negative, unlike
+//! the quadratic ones), and the gap is averaged with the same hats over Gauss points: a mortar method, which passes the
+//! contact patch test on meshes that do not match. A node is in contact where pressure - eps * gap > 0 (Alart and
+//! Curnier 1991); Newton's tangent is that of a stiff spring eps, its residual that of exact contact: each step brings
+//! both the forces and the gaps closer. Tractions are per area of the undeformed face.
 
 mod gaps;
 mod meeting;

@@ -184,8 +184,8 @@ impl Face<'_> {
     }
 }
 
-/// How local coordinates move with points above: the inverse of the components of a facet's tangents along `across`, times
-/// these. Along the facet's own tangents these are their duals. `None` where the facet is edge-on.
+/// How local coordinates move with points above: the inverse of the components of a facet's tangents along `across`,
+/// times these. Along the facet's own tangents these are their duals. `None` where the facet is edge-on.
 pub fn slides(axes: usize, across: [[f64; 3]; 2], tangents: [[f64; 3]; 2]) -> Option<[[f64; 3]; 2]> {
     let m = across.map(|a| tangents.map(|t| dot(a, t)));
     if axes == 1 {

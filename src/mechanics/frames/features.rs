@@ -8,8 +8,8 @@ use std::ops::RangeInclusive;
 /// How features are taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Half width of the window of the fit about the indenter's centre, mm; absent: the whole contact. Within the window
-    /// only the contact is fitted.
+    /// Half width of the window of the fit about the indenter's centre, mm; absent: the whole contact. Within the
+    /// window only the contact is fitted.
     pub window_mm: Option<f64>,
     /// The contact reaches from the first to the last place with more pressure than this, kPa: 0 for a computed frame,
     /// the noise for a measured one.
@@ -100,11 +100,13 @@ fn fit(frame: &Frame, contact: RangeInclusive<usize>, half: f64) -> (Feature, Op
     (Feature::known(base), Parabola::fit(&pick(&frame.x_mm), &pick(&frame.pressure_kpa)))
 }
 
-/// The raw pressure at the window's end `at` (infinite: the frame's own end), linear between places; 0 beyond the contact.
+/// The raw pressure at the window's end `at` (infinite: the frame's own end), linear between places; 0 beyond the
+/// contact.
 fn edge(frame: &Frame, contact: &RangeInclusive<usize>, at: f64) -> f64 {
     let (x, p) = (&frame.x_mm, &frame.pressure_kpa);
     let end = x.len() - 1;
-    // Where the window takes in the frame's end, a free edge carries nothing, and a contact that is cut off what is there.
+    // Where the window takes in the frame's end, a free edge carries nothing, and a contact that is cut off what is
+    // there.
     if at <= x[0] {
         return if *contact.start() == 0 { p[0] } else { 0.0 };
     }

@@ -13,8 +13,8 @@
 //! - eccentricity compares the raw frame with a reference: with D = frame - reference,
 //!   e = (integral of D over x > 0 - integral of D over x < 0) / integral of |D|, from -1 to 1.
 //!
-//! The best reference is the frame at the same position without the inclusion: it holds what the tissue's ends do to the
-//! frame. The paper's reference, the frame farthest from the inclusion, is what a measurement has.
+//! The best reference is the frame at the same position without the inclusion: it holds what the tissue's ends do to
+//! the frame. The paper's reference, the frame farthest from the inclusion, is what a measurement has.
 
 mod eccentricity;
 mod feature;

@@ -23,7 +23,8 @@ impl Parabola {
         if x.len() < 3 || x.len() != p.len() {
             return None;
         }
-        // In u from -1 to 1 and with polynomials orthogonal over the samples (Forsythe 1957), nothing is ill-conditioned.
+        // In u from -1 to 1 and with polynomials orthogonal over the samples (Forsythe 1957), nothing is
+        // ill-conditioned.
         let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
         let u: Vec<f64> = x.iter().map(|x| (x - middle) / half).collect();
         let weights = lengths(&u);

@@ -75,8 +75,9 @@ pub(super) fn yeoh(x: f64, [c1, c2, c3]: &[f64; 3]) -> Derivatives {
 
 /// g = (b/m) ((exp(m e) - 1)/m - e), e = sqrt(x/3).
 ///
-/// With y = m e and psi = (exp(y) - 1 - y)/y^2: g = b e^2 psi, g' = b/6 (1 + y psi), g'' = b m/(36 e) (1 - (1 - y) psi).
-/// g'' grows like 1/e towards e = 0, but D vanishes like e, so g'' D D does too. A floor of e below round-off keeps it so.
+/// With y = m e and psi = (exp(y) - 1 - y)/y^2: g = b e^2 psi, g' = b/6 (1 + y psi), g'' = b m/(36 e) (1 - (1 - y)
+/// psi). g'' grows like 1/e towards e = 0, but D vanishes like e, so g'' D D does too. A floor of e below round-off
+/// keeps it so.
 #[inline]
 pub(super) fn exponential(x: f64, b: f64, m: f64) -> Derivatives {
     let e = (x / 3.0).sqrt();

@@ -4,9 +4,9 @@ use super::{Response, Tensor, invariant, linear, ogden};
 
 /// An isochoric elastic law, moduli in kPa. I1 is the trace of Fbar^T Fbar; l1, l2, l3 are its isochoric stretches.
 ///
-/// Neo-Hookean, Yeoh with coefficients that are not negative, and the exponential law are polyconvex: I1 is a polyconvex
-/// function of F (Hartmann and Neff, Int. J. Solids Struct. 40, 2003) and they are convex and rising in it. Ogden's law is
-/// elliptic at fixed volume where all exponents are at least 1 in size.
+/// Neo-Hookean, Yeoh with coefficients that are not negative, and the exponential law are polyconvex: I1 is a
+/// polyconvex function of F (Hartmann and Neff, Int. J. Solids Struct. 40, 2003) and they are convex and rising in it.
+/// Ogden's law is elliptic at fixed volume where all exponents are at least 1 in size.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Law {
     /// Hooke's law for small strain: stress 2 mu dev(eps). No rotation, no difference between the stress measures.
@@ -34,10 +34,10 @@ pub enum Law {
     /// Soft tissue: sigma = (b/m) (exp(m eps) - 1) in one dimension, made objective.
     ///
     /// W = (b/m) ((exp(m e) - 1)/m - e) with e = sqrt((I1 - 3)/3), which is |eps| for a small uniaxial strain of an
-    /// incompressible body. dW/dI1 = (b/m) (exp(m e) - 1)/(6 e) is positive and rises with I1: W is polyconvex.
-    /// The one-dimensional law was fitted in compression, eps > 0 there. This form stiffens in tension in the same manner,
-    /// as soft tissue does (Fung, Am. J. Physiol. 213, 1967); the one-dimensional law itself would soften there.
-    /// mu = b / 3.
+    /// incompressible body. dW/dI1 = (b/m) (exp(m e) - 1)/(6 e) is positive and rises with I1: W is polyconvex. The
+    /// one-dimensional law was fitted in compression, eps > 0 there. This form stiffens in tension in the same manner,
+    /// as soft tissue does (Fung, Am. J. Physiol. 213, 1967); the one-dimensional law itself would soften there. mu = b
+    /// / 3.
     Exponential {
         /// b, Young's modulus at small strain of the incompressible body.
         modulus_kpa: f64,

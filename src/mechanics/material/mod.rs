@@ -1,8 +1,8 @@
 //! Constitutive laws.
 //!
 //! The energy of a material is split: W(F) = W_iso(Fbar) + W_vol(J), with J = det F and Fbar = J^(-1/3) F. This module
-//! holds W_iso; the elements hold W_vol, through their pressure. Every law is a function of Fbar alone, so its Kirchhoff
-//! stress is a deviator. The one exception is [`Law::Linear`], the same split at small strain.
+//! holds W_iso; the elements hold W_vol, through their pressure. Every law is a function of Fbar alone, so its
+//! Kirchhoff stress is a deviator. The one exception is [`Law::Linear`], the same split at small strain.
 //!
 //! | file | what it holds |
 //! |---|---|

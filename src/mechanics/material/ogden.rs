@@ -1,7 +1,7 @@
 //! Ogden's law in principal stretches (Ogden, Non-Linear Elastic Deformations, 1984, chapter 6).
 //!
-//! F = sum of l_a n_a N_a. With the principal Kirchhoff stresses beta_a and log strains e_a, in the basis n_a N_b:
-//! P_aa = beta_a / l_a; the tangent is (dbeta_a/de_b - d_ab beta_a)/(l_a l_b) between diagonal entries, and between entries
+//! F = sum of l_a n_a N_a. With the principal Kirchhoff stresses beta_a and log strains e_a, in the basis n_a N_b: P_aa
+//! = beta_a / l_a; the tangent is (dbeta_a/de_b - d_ab beta_a)/(l_a l_b) between diagonal entries, and between entries
 //! ab and ab, ab and ba: r = (beta_a - beta_b)/(l_a^2 - l_b^2) and (r (l_a^2 + l_b^2) - beta_a - beta_b)/(2 l_a l_b).
 //! Only r needs care where stretches are equal.
 

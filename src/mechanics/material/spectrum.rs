@@ -1,6 +1,7 @@
 //! Eigenvalues of a symmetric tensor by Jacobi's method (Golub and Van Loan, Matrix Computations, 8.5).
 //!
-//! It needs no case distinction where eigenvalues are equal or nearly so: the vectors are orthonormal to round-off always.
+//! It needs no case distinction where eigenvalues are equal or nearly so: the vectors are orthonormal to round-off
+//! always.
 
 use super::Tensor;
 

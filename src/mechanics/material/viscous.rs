@@ -1,12 +1,12 @@
 //! Quasi-static linear relaxation of the isochoric stress.
 //!
-//! Simo, Comput. Methods Appl. Mech. Eng. 60 (1987); Holzapfel, Nonlinear Solid Mechanics (2000), section 6.10. The second
-//! Piola-Kirchhoff stress is S = (1 - sum g_i) S_iso + sum H_i with H_i' + H_i/tau_i = g_i S_iso'. A step dt is
-//! H_i <- exp(-dt/tau_i) H_i + g_i a_i (S_iso - S_iso before), a_i = (1 - exp(-dt/tau_i)) tau_i/dt, which is exact for a
-//! stress that changes linearly within the step. (Holzapfel takes exp(-dt/(2 tau_i)) for a_i, of the same order.)
+//! Simo, Comput. Methods Appl. Mech. Eng. 60 (1987); Holzapfel, Nonlinear Solid Mechanics (2000), section 6.10. The
+//! second Piola-Kirchhoff stress is S = (1 - sum g_i) S_iso + sum H_i with H_i' + H_i/tau_i = g_i S_iso'. A step dt is
+//! H_i <- exp(-dt/tau_i) H_i + g_i a_i (S_iso - S_iso before), a_i = (1 - exp(-dt/tau_i)) tau_i/dt, which is exact for
+//! a stress that changes linearly within the step. (Holzapfel takes exp(-dt/(2 tau_i)) for a_i, of the same order.)
 //!
-//! So S = factor S_iso(F) + frozen, where the factor and the frozen stress do not depend on F. This is the derivative of
-//! factor W_iso + frozen : (F^T F - 1)/2: the step has a potential.
+//! So S = factor S_iso(F) + frozen, where the factor and the frozen stress do not depend on F. This is the derivative
+//! of factor W_iso + frozen : (F^T F - 1)/2: the step has a potential.
 //!
 //! The frozen stress is a deviator in the configuration where it arose, and only nearly one in the present one. Its
 //! spherical part there adds to the pressure of the element; the total stress is what counts.

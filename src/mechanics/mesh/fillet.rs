@@ -1,8 +1,8 @@
 //! The rounded rim of a sensor's touched face.
 //!
-//! Moulded silicone has no sharp rim, and one would be singular: on a sharp rim that slides, a mesh holds the contact's edge
-//! at one node, which snaps from the face to the rim. The nodes of the touched face near the rim move onto an arc, those of the
-//! top layer below follow, and elements keep their neighbours.
+//! Moulded silicone has no sharp rim, and one would be singular: on a sharp rim that slides, a mesh holds the contact's
+//! edge at one node, which snaps from the face to the rim. The nodes of the touched face near the rim move onto an arc,
+//! those of the top layer below follow, and elements keep their neighbours.
 
 use super::{Footprint, Lines, Mesh, MeshError, quality};
 

@@ -1,8 +1,8 @@
 //! Grid lines along one axis, graded by a field of element sizes.
 //!
-//! The size at x is the smallest of size + growth * distance over all features, and never above the coarsest. Between two
-//! breaks lie n cells of equal integral of dx / size. A subdivision s makes n s cells from the same integral, so the
-//! meshes of a ladder are nested.
+//! The size at x is the smallest of size + growth * distance over all features, and never above the coarsest. Between
+//! two breaks lie n cells of equal integral of dx / size. A subdivision s makes n s cells from the same integral, so
+//! the meshes of a ladder are nested.
 
 use super::MeshError;
 

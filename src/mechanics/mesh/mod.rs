@@ -37,7 +37,8 @@ pub struct Mesh {
     pub dim: usize,
     /// Positions of the nodes, mm; the third is 0 in two dimensions.
     pub nodes: Vec<[f64; 3]>,
-    /// Nodes of the elements, 3^dim each: a lattice of 3 positions along each local axis (-1, 0, 1), first axis fastest.
+    /// Nodes of the elements, 3^dim each: a lattice of 3 positions along each local axis (-1, 0, 1), first axis
+    /// fastest.
     pub elements: Vec<u32>,
     /// Region of each element: 0 the body itself (or its lowest layer), 1 ... its inclusions (or higher layers).
     pub region: Vec<u32>,

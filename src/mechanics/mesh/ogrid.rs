@@ -1,8 +1,8 @@
 //! An inclusion in its box: a core like the box, a ring from it to the surface, a ring from the surface to the box.
 //!
 //! The lattice of the grid lines through the box goes over to the surface along rays from the centre. Core, surface and
-//! box lie in this order on each ray, so the rings cannot fold, whatever the star-shaped surface. The inside of the core
-//! is the transfinite (Gordon-Hall) interpolation of its boundary.
+//! box lie in this order on each ray, so the rings cannot fold, whatever the star-shaped surface. The inside of the
+//! core is the transfinite (Gordon-Hall) interpolation of its boundary.
 
 use std::collections::HashMap;
 

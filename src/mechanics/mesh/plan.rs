@@ -1,7 +1,8 @@
 //! The plan view of three-dimensional meshes: a rectangle of grid lines, and rings of sectors around it.
 //!
 //! The rectangle holds the inclusions' boxes. The first ring leads from it to the circle of contact, the next to the
-//! outline of the phantom, both along rays from the axis; on each ray the outlines lie in this order, so no sector folds.
+//! outline of the phantom, both along rays from the axis; on each ray the outlines lie in this order, so no sector
+//! folds.
 
 use super::boxes::MARGIN;
 use super::builder::{Builder, between_planes, cells};

@@ -25,8 +25,9 @@ impl Resolution {
     pub const PLANE: Self =
         Self { edge_mm: 0.3, contact_mm: 1.4, coarsest_mm: 3.0, growth: 0.3, inclusion_divisions: 4.0, subdivision: 2 };
 
-    /// For three dimensions: about 2,700 elements for a quarter of the same phantom with an inclusion. Force and pressure in
-    /// the middle are within 0.4 % of the plane ones; three elements along the half side of the inclusion's box leave 2 %.
+    /// For three dimensions: about 2,700 elements for a quarter of the same phantom with an inclusion. Force and
+    /// pressure in the middle are within 0.4 % of the plane ones; three elements along the half side of the inclusion's
+    /// box leave 2 %.
     pub const SOLID: Self = Self {
         edge_mm: 0.9,
         contact_mm: 2.2,

@@ -1,7 +1,7 @@
 //! Bodies with a closed-form answer: patches, a quarter of a shell, Cook's membrane.
 //!
-//! A layer under a punch (Hayes), a half space under a sphere (Hertz) and an inclusion in an infinite body (Eshelby) are
-//! a [`super::PhantomMesh`] with the contact's edge as footprint.
+//! A layer under a punch (Hayes), a half space under a sphere (Hertz) and an inclusion in an infinite body (Eshelby)
+//! are a [`super::PhantomMesh`] with the contact's edge as footprint.
 
 use super::builder::{Builder, between_planes, cells};
 use super::error::positive;

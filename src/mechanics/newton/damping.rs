@@ -1,8 +1,9 @@
 //! Damping of Newton's method: pseudo-transient continuation (Kelley and Keyes, SIAM J. Numer. Anal. 35, 508, 1998).
 //!
-//! Soft tissue that slides around an edge comes to loads at which its balance is lost and it snaps to another; there Newton's
-//! method cycles, however short the step. With a share of each node's own stiffness added, the tangent is that of a viscous
-//! body, which creeps to the next stable balance. The residual is left alone, and the share goes as the residual goes.
+//! Soft tissue that slides around an edge comes to loads at which its balance is lost and it snaps to another; there
+//! Newton's method cycles, however short the step. With a share of each node's own stiffness added, the tangent is that
+//! of a viscous body, which creeps to the next stable balance. The residual is left alone, and the share goes as the
+//! residual goes.
 
 /// Share at the start, and the largest.
 const FIRST: f64 = 1.0;
@@ -25,7 +26,8 @@ impl Damping {
     pub const NONE: Self = Self { share: 0.0, force: f64::INFINITY };
     pub const START: Self = Self { share: FIRST, force: f64::INFINITY };
 
-    /// After a step to a residual `force`. While nodes change what they do (not `same`), a fall of the residual says little.
+    /// After a step to a residual `force`. While nodes change what they do (not `same`), a fall of the residual says
+    /// little.
     pub fn renew(&mut self, force: f64, same: bool) {
         let ratio = force / std::mem::replace(&mut self.force, force);
         self.share *= match ratio {

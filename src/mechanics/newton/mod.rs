@@ -138,8 +138,9 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// The state at load factor `load` after the balanced state `from`, sought from `guess`. Where Newton's method fails and
-    /// `damped` allows, it is tried again with damping: slow, but it gets past loads at which the bodies snap.
+    /// The state at load factor `load` after the balanced state `from`, sought from `guess`. Where Newton's method
+    /// fails and `damped` allows, it is tried again with damping: slow, but it gets past loads at which the bodies
+    /// snap.
     ///
     /// # Errors
     /// [`StepError`] where the step is too long or the structure unstable.

@@ -86,10 +86,11 @@ fn open_face(normal: [f64; 3], held: [bool; 3]) -> Tensor {
 
 /// Decides what a node does: bonded, free, sticking or slipping.
 ///
-/// Coulomb's law is a part of Newton's method (Alart and Curnier 1991; Hueeber and Wohlmuth 2005): a node slips where its
-/// traction, less a body-like spring times the slip, exceeds friction times the pressure; it then bears friction times the
-/// pressure *of the next state*, and in three dimensions its direction turns with the slip. Along the axes that are `held`,
-/// as on a plane of symmetry, faces do not rub: neighbours would hold such a node's mean slip once more.
+/// Coulomb's law is a part of Newton's method (Alart and Curnier 1991; Hueeber and Wohlmuth 2005): a node slips where
+/// its traction, less a body-like spring times the slip, exceeds friction times the pressure; it then bears friction
+/// times the pressure *of the next state*, and in three dimensions its direction turns with the slip. Along the axes
+/// that are `held`, as on a plane of symmetry, faces do not rub: neighbours would hold such a node's mean slip once
+/// more.
 pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64, held: [bool; 3]) -> Touch {
     let free = |settled| Touch {
         gap: NodeGap::default(),
@@ -164,8 +165,8 @@ impl Touch {
         self.hold != Hold::Free && (self.drag != [0.0; 3] || self.spring > 0.0 && turned())
     }
 
-    /// Change of the traction with a motion beyond that in the matrix: friction follows the pressure, and the gap's gradient is
-    /// not quite the normal.
+    /// Change of the traction with a motion beyond that in the matrix: friction follows the pressure, and the gap's
+    /// gradient is not quite the normal.
     pub fn odd_answer(&self, change: &[f64], dim: usize) -> Traction {
         let normal = self.answer(change, dim).normal;
         let along: f64 = self

@@ -78,8 +78,8 @@ impl Assembly {
                 let pair = if setup.grip == Grip::Bonded || !flat {
                     (touched, Counterpart::Face(nodes(&face)), -1.0)
                 } else {
-                    // The softer face carries the pressure, and may wrap around the sensor's rim. In three dimensions, where
-                    // elements do not resolve a rim, the smaller face carries it: it costs less.
+                    // The softer face carries the pressure, and may wrap around the sensor's rim. In three dimensions,
+                    // where elements do not resolve a rim, the smaller face carries it: it costs less.
                     let all = [touched, of_sensor(Boundary::Side)].concat();
                     (face, Counterpart::Face(nodes(&all)), 1.0)
                 };

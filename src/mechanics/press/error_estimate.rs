@@ -12,10 +12,10 @@ pub struct PressureError {
     pub force: f64,
 }
 
-/// Error of the finer mesh as a share of the difference of the two, 1 / (2^q - 1): order q = 2 of the pressure as the elements
-/// have it, and q = 1 of all that the singular edge spoils: the force, and the pressure that it sends inwards. The edge
-/// of a body bonded to a much stiffer one moves as the root of the distance (Williams, J. Appl. Mech. 19, 526, 1952), so
-/// its energy converges as the size of the elements.
+/// Error of the finer mesh as a share of the difference of the two, 1 / (2^q - 1): order q = 2 of the pressure as the
+/// elements have it, and q = 1 of all that the singular edge spoils: the force, and the pressure that it sends inwards.
+/// The edge of a body bonded to a much stiffer one moves as the root of the distance (Williams, J. Appl. Mech. 19, 526,
+/// 1952), so its energy converges as the size of the elements.
 const LOCAL_SHARE: f64 = 1.0 / 3.0;
 const EDGE_SHARE: f64 = 1.0;
 
@@ -39,8 +39,8 @@ pub(super) fn estimate(pressed: &mut Pressed, observe: &mut dyn FnMut(f64) -> bo
 
 /// Estimated error of the finer of two pressures, rms over the judged part, as a share of it.
 ///
-/// What the edge sends inwards is smooth there (Saint-Venant), so the difference is split: what p (a + b r^2) follows by
-/// least squares is the edge's, the rest the elements' own.
+/// What the edge sends inwards is smooth there (Saint-Venant), so the difference is split: what p (a + b r^2) follows
+/// by least squares is the edge's, the rest the elements' own.
 pub(super) fn pressure_error(setup: &Setup, fine: &[ContactPoint], coarse: &[ContactPoint]) -> f64 {
     let misfits = misfits(setup, fine, coarse);
     let sum = |term: &dyn Fn(&Misfit) -> f64| misfits.iter().map(|m| m.area * term(m)).sum::<f64>();
@@ -91,7 +91,8 @@ fn misfits(setup: &Setup, fine: &[ContactPoint], coarse: &[ContactPoint]) -> Vec
     judged.filter_map(misfit).collect()
 }
 
-/// Pressure of another mesh at a point: linear between its nodes in two dimensions; in three, weighted by the nearest ones.
+/// Pressure of another mesh at a point: linear between its nodes in two dimensions; in three, weighted by the nearest
+/// ones.
 fn pressure_at(setup: &Setup, points: &[ContactPoint], at: &ContactPoint) -> Option<f64> {
     if setup.kinematics.dim() == 2 {
         let after = points.partition_point(|point| point.reference_mm[0] < at.reference_mm[0]);

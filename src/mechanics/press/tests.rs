@@ -88,7 +88,8 @@ fn presses_agree_with_another_element() {
     }
 }
 
-/// Contrast in the middle against no inclusion, soft sensor, linear, 1 mm, of the same other program; those of 20 % and more.
+/// Contrast in the middle against no inclusion, soft sensor, linear, 1 mm, of the same other program; those of 20 % and
+/// more.
 #[test]
 fn contrasts_agree_with_another_element() {
     let middle = |inclusion| middle_pa(pressed(&phantom(inclusion, true, true, &[1.0])).steps.last().unwrap());

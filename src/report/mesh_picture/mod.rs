@@ -1,8 +1,8 @@
 //! A deformed mesh in two dimensions with a scalar in colour: pressure, most of all.
 //!
-//! Colours are a bitmap painted through the elements' own quadratic map; element edges are drawn over it as the quadratic
-//! curves that they are, boundaries and regions thicker. A scalar that is nowhere negative has one hue (pale to dark red);
-//! one with both signs has two (blue below 0, red above), 0 in the middle.
+//! Colours are a bitmap painted through the elements' own quadratic map; element edges are drawn over it as the
+//! quadratic curves that they are, boundaries and regions thicker. A scalar that is nowhere negative has one hue (pale
+//! to dark red); one with both signs has two (blue below 0, red above), 0 in the middle.
 
 mod edges;
 mod paint;

@@ -79,8 +79,8 @@ fn element(rgba: &mut [u8], [columns, rows]: [usize; 2], places: &[[f64; 2]; 9],
     }
 }
 
-/// Samples along one axis of the lattice: the longest of its three lines decides. An uneven middle node makes the map run
-/// up to twice as fast as on average.
+/// Samples along one axis of the lattice: the longest of its three lines decides. An uneven middle node makes the map
+/// run up to twice as fast as on average.
 fn samples(places: &[[f64; 2]; 9], step: usize, line: usize) -> usize {
     let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
     let length = |i: usize| {

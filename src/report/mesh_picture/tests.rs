@@ -1,7 +1,8 @@
 use super::super::svg::{assert_well_formed, keep_sample};
 use super::*;
 
-/// A grid of quadratic elements over [0, width] x [bottom, bottom + height], bent by `bend`, with regions by its middle.
+/// A grid of quadratic elements over [0, width] x [bottom, bottom + height], bent by `bend`, with regions by its
+/// middle.
 fn grid([columns, rows]: [usize; 2], bend: &dyn Fn([f64; 2]) -> [f64; 2], region: &dyn Fn([f64; 2]) -> u32) -> Mesh {
     let nodes_across = 2 * columns + 1;
     let place =

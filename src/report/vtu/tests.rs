@@ -125,8 +125,8 @@ fn what_does_not_fit_is_refused() {
     assert_eq!(Vtu::of_bodies(&[&mesh], 0.0), Err(VtuError::Mesh(0)));
 }
 
-/// The samples of the next test were read back by meshio 5.3.5 (all fields) and VTK 9.7.2, whose own interpolation in the
-/// cells met the bent map at random places to 5e-16.
+/// The samples of the next test were read back by meshio 5.3.5 (all fields) and VTK 9.7.2, whose own interpolation in
+/// the cells met the bent map at random places to 5e-16.
 #[test]
 fn a_file_is_one_piece_of_xml_with_every_field() {
     for dim in [2, 3] {

@@ -9,8 +9,8 @@ use std::ops::Bound;
 const MAX_PIXELS: u64 = 64_000_000;
 
 pub(super) fn check(camera: &Camera) -> Result<(), Invalid> {
-    // The lens is a disc parallel to the lowest face, which does not deform: with a positive distance no part of it is in the
-    // glass.
+    // The lens is a disc parallel to the lowest face, which does not deform: with a positive distance no part of it is
+    // in the glass.
     let focus = match camera.lens {
         Lens::ThinLens { focus_mm } => number("camera.lens.focus_mm", focus_mm, POSITIVE, 25.0),
         Lens::Pinhole => Ok(()),

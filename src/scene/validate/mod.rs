@@ -1,8 +1,8 @@
 //! The rules that a scene keeps beyond its structure: ranges, and parts that fit together.
 //!
-//! Every rule names one key, what it must be and a value that would do. The order is that of the file; the first
-//! broken rule is the error, and the others go with it. Rules that lean on a part with a mistake wait until that is right: what a
-//! disc on a wall of negative height may be is no help.
+//! Every rule names one key, what it must be and a value that would do. The order is that of the file; the first broken
+//! rule is the error, and the others go with it. Rules that lean on a part with a mistake wait until that is right:
+//! what a disc on a wall of negative height may be is no help.
 
 mod bounds;
 mod camera;

@@ -69,8 +69,8 @@ pub fn pressed_contact(loaded: &LoadedScene, pressed: &Pressed, step: &PressStep
     })
 }
 
-/// Contact pressure at the middles of cells over a rectangle about the axis, kPa: columns, rows, values, row 0 at negative
-/// y. `cells` lie along the longer side.
+/// Contact pressure at the middles of cells over a rectangle about the axis, kPa: columns, rows, values, row 0 at
+/// negative y. `cells` lie along the longer side.
 pub fn pressure_map(pressed: &Pressed, step: &PressStep, size_mm: [f64; 2], cells: usize) -> (usize, usize, Vec<f64>) {
     let pressure = PressureFace::of(pressed, step);
     super::contact::sample(size_mm, cells, |x, y| pressure.at(x, y))
@@ -135,7 +135,8 @@ mod tests {
                 let places = range.map(|k| 0.01 * f64::from(k));
                 places.map(|r| (coarse.at(r, 0.0)[1] - fine.at(r, 0.0)[1]).abs()).fold(0.0, f64::max)
             };
-            // Slopes are about 0.015. At the outline interfaces bend most, by 0.1 per mm; samples are 0.06 and 0.12 mm apart.
+            // Slopes are about 0.015. At the outline interfaces bend most, by 0.1 per mm; samples are 0.06 and 0.12 mm
+            // apart.
             let [within, edge] = [off(0..1300), off(1300..2120)];
             assert!(within < 1e-5 && edge < 0.01, "{within}, {edge}");
             // Of the singular edge, 0.6 steep in these elements, nothing is seen.

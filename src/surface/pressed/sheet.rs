@@ -1,16 +1,18 @@
 //! A smooth interface from the displacements of finite elements.
 //!
-//! Displacements are continuous from element to element, slopes are not: on the mesh of a default press they jump by up to
-//! 0.04 near the edge, and light sees slopes. So they are recovered (polynomial-preserving recovery: Zhang and Naga, SIAM J.
-//! Sci. Comput. 26, 1192, 2005): about every corner of the elements a cubic is fitted to the nodes of all elements that meet
-//! there, where displacements are most accurate. Within an element its corners' cubics are blended, with weights that are
-//! level at its borders. Slopes then are of third order in the size of the elements, and continuous: along r everywhere, over
-//! the plane at the corners and wherever lines of the mesh run straight on; where such a line has a kink they jump by what
-//! two cubics differ, of third order as well. At the end of the elements, where too few meet, their own displacement counts.
+//! Displacements are continuous from element to element, slopes are not: on the mesh of a default press they jump by up
+//! to 0.04 near the edge, and light sees slopes. So they are recovered (polynomial-preserving recovery: Zhang and Naga,
+//! SIAM J. Sci. Comput. 26, 1192, 2005): about every corner of the elements a cubic is fitted to the nodes of all
+//! elements that meet there, where displacements are most accurate. Within an element its corners' cubics are blended,
+//! with weights that are level at its borders. Slopes then are of third order in the size of the elements, and
+//! continuous: along r everywhere, over the plane at the corners and wherever lines of the mesh run straight on; where
+//! such a line has a kink they jump by what two cubics differ, of third order as well. At the end of the elements,
+//! where too few meet, their own displacement counts.
 //!
-//! The tracer's block keeps its walls where they were. A pressed body bulges past them, and the singular bend of its edge
-//! with it, but for what elements at the outline see of it. From the outline of the undeformed face outwards, which matters
-//! where a round face is pressed in a rectangular stack, an interface levels off, straight away from the axis.
+//! The tracer's block keeps its walls where they were. A pressed body bulges past them, and the singular bend of its
+//! edge with it, but for what elements at the outline see of it. From the outline of the undeformed face outwards,
+//! which matters where a round face is pressed in a rectangular stack, an interface levels off, straight away from the
+//! axis.
 
 use super::face::{Face, Facet};
 use crate::mechanics::element::Shape;
@@ -135,8 +137,8 @@ struct Cubic {
 }
 
 impl Cubic {
-    /// The one that fits the nodes of all elements about a corner best; `None` where fewer than three elements meet (in one
-    /// dimension two), mirrored ones counted: their nodes lie on too few lines.
+    /// The one that fits the nodes of all elements about a corner best; `None` where fewer than three elements meet (in
+    /// one dimension two), mirrored ones counted: their nodes lie on too few lines.
     fn recovered(face: &Face, corner: u32, facets: &[&Facet]) -> Option<Self> {
         let mut nodes: BTreeMap<u32, ([f64; 2], f64)> = BTreeMap::new();
         for facet in facets {

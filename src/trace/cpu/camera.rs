@@ -11,13 +11,15 @@ use std::f64::consts::{PI, TAU};
 /// What camera paths read and leave out.
 #[derive(Debug, Clone, Copy)]
 pub struct View<'a, T> {
-    /// Deposit and area of each texel, for true contact and for the gap: read in place of following the path into tissue.
+    /// Deposit and area of each texel, for true contact and for the gap: read in place of following the path into
+    /// tissue.
     pub exitance: Option<&'a [[T; 4]]>,
     /// Leave out what `splat` finds: paths that reach their first tissue straight.
     pub complement: bool,
 }
 
-/// Least share of the paths that go on as reflected where a map is read: what they see may be an LED, and nothing is lost by them.
+/// Least share of the paths that go on as reflected where a map is read: what they see may be an LED, and nothing is
+/// lost by them.
 const REFLECTED: f64 = 0.2;
 
 /// Film units of one unit of radiance: sums are 64-bit fixed point with 48 fractional bits.

@@ -105,8 +105,8 @@ impl<T: Real> Path<'_, T> {
         cell(y, self.model.half_size[1], rows) * columns + cell(x, self.model.half_size[0], columns)
     }
 
-    /// Light of flux `w` that entered the tissue at the cosine `mu_i` and leaves it at (x, y), connected to the pinhole through the
-    /// flat stack.
+    /// Light of flux `w` that entered the tissue at the cosine `mu_i` and leaves it at (x, y), connected to the pinhole
+    /// through the flat stack.
     fn splat(&mut self, x: T, y: T, w: T, mu_i: T) {
         let (zero, one) = (T::zero(), T::one());
         let model = self.model;

@@ -32,8 +32,8 @@ impl<T: Real> Path<'_, T> {
         self.seed = seed;
     }
 
-    /// Uniform in [0, 1), 24 bits, and even over the paths of a seed: the coordinate with generator `z` of a rank-1 lattice
-    /// sequence with a random shift. Paths (a, b) are numbered a + 2^14 b.
+    /// Uniform in [0, 1), 24 bits, and even over the paths of a seed: the coordinate with generator `z` of a rank-1
+    /// lattice sequence with a random shift. Paths (a, b) are numbered a + 2^14 b.
     pub fn even_draw(&mut self, z: u32) -> T {
         let h = self.place.wrapping_mul(z).wrapping_add(shift(self.seed, z));
         T::of(f64::from(h >> 8) * 5.960_464_477_539_063e-8)
@@ -55,8 +55,9 @@ mod tests {
     /// Generators of the launch.
     const GENERATORS: [u32; 6] = [1, 761_135, 257_481, 617_715, 488_567, 94_035];
 
-    /// The mean square error over all shifts, in the worst case of a function space with product weights of 0.7 (Dick, Kuo
-    /// and Sloan, Acta Numerica 22, 133, 2013, section 5), is below that of random points; in few coordinates, far below.
+    /// The mean square error over all shifts, in the worst case of a function space with product weights of 0.7 (Dick,
+    /// Kuo and Sloan, Acta Numerica 22, 133, 2013, section 5), is below that of random points; in few coordinates, far
+    /// below.
     #[test]
     fn the_lattice_of_launches_beats_random_points() {
         let weight = 0.7 * 2.0 * std::f64::consts::PI.powi(2);

@@ -156,13 +156,14 @@ impl<T: Real> Path<'_, T> {
             let over = taken > c(SAFE_STEPS) && rise < c(-STEPPED_OVER) && before >= c(-STEPPED_OVER);
             let g = rise.max(zero);
             let slope = side * (h[1] * p.x + h[2] * p.y - p.z);
-            // Leaving or along the surface the gap counts as the rounding of a height at least, and for a ray that still
-            // runs in the surface as more, up to 1e-4 mm, so that it gets on.
+            // Leaving or along the surface the gap counts as the rounding of a height at least, and for a ray that
+            // still runs in the surface as more, up to 1e-4 mm, so that it gets on.
             let least = (c::<T>(1e-6) + c::<T>(4e-9) * taken * taken).min(c(1e-4));
             let gap = if slope < zero { g } else { g.max(least) };
             let root = (slope * slope + two * k * gap).sqrt();
             let step = if slope < zero { two * gap / (root - slope) } else { (root + slope) / k };
-            // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k step.
+            // Newton converges quadratically: the last step leaves an error of k step^2, and the slope is good to k
+            // step.
             let straight = k * step < c(1e-5) && k * step * step < c(1e-8);
             if slope < zero && !over && (step < c(1e-5) || straight) {
                 self.field_slope = [h[1], h[2]];
@@ -276,8 +277,8 @@ mod tests {
     use crate::trace::Model;
     use crate::trace::cpu::Limits;
 
-    /// How many of 4,000 rays that leave the touched face upwards meet it again, if they rise `share` times as fast as it does
-    /// where it is steepest.
+    /// How many of 4,000 rays that leave the touched face upwards meet it again, if they rise `share` times as fast as
+    /// it does where it is steepest.
     fn returned(model: &Model<f64>, share: f64) -> usize {
         let top = model.faces.len() - 1;
         let mut path = Path::new(model, Limits::default());

@@ -1,5 +1,5 @@
-//! Twin of `tissue_lambertian.wgsl` and `tissue_half_space.wgsl`: what tissue does with light of the cosines that it comes and
-//! leaves at, within the tissue.
+//! Twin of `tissue_lambertian.wgsl` and `tissue_half_space.wgsl`: what tissue does with light of the cosines that it
+//! comes and leaves at, within the tissue.
 
 use super::touch::Boundary;
 use super::{Path, book};
@@ -67,7 +67,8 @@ impl<T: Real> Path<'_, T> {
         }
     }
 
-    /// The weight of a path that survived and leaves by Lambert's law. It is 1 in the mean, so it is booked as roulette's.
+    /// The weight of a path that survived and leaves by Lambert's law. It is 1 in the mean, so it is booked as
+    /// roulette's.
     pub(super) fn weigh(&mut self, tissue: &Tissue<T>, mu_i: T, mu_o: T) {
         if tissue.scatter.is_half_space() {
             let before = self.weight;

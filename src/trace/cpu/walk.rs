@@ -60,8 +60,8 @@ impl<T: Real> Path<'_, T> {
         let b = b_sq.sqrt();
         let r = fresnel(a, b, n_sq, n_sq + dn_sq);
         let u = self.draw();
-        // Nothing shines below or above the stack: a path from the camera goes on with what the outer faces mirror. Only
-        // where it may come back, half of the paths leave.
+        // Nothing shines below or above the stack: a path from the camera goes on with what the outer faces mirror.
+        // Only where it may come back, half of the paths leave.
         let upper = i == self.top() && side > T::zero();
         let outer = upper || i == 0 && side < T::zero();
         let one = T::one();

@@ -83,7 +83,8 @@ pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> String {
     pieces.concat()
 }
 
-/// `scene`, and functions `layer_FIELD(k)`, `face_FIELD(i)` and `lamp_FIELD(k)` with the scene's numbers: chains of selects over constants.
+/// `scene`, and functions `layer_FIELD(k)`, `face_FIELD(i)` and `lamp_FIELD(k)` with the scene's numbers: chains of
+/// selects over constants.
 fn accessors(model: &Model<f32>) -> String {
     let field_vectors = match &model.shape {
         Shape::Field(f) => match &f.heights {
@@ -92,8 +93,8 @@ fn accessors(model: &Model<f32>) -> String {
         },
         _ => 0,
     };
-    // A private variable that nothing writes: drivers fold it, and naga 30 refuses it as a constant. As a uniform it made llvmpipe
-    // compile the kernel anew for each replicate.
+    // A private variable that nothing writes: drivers fold it, and naga 30 refuses it as a constant. As a uniform it
+    // made llvmpipe compile the kernel anew for each replicate.
     let mut text = format!("var<private> scene: Scene = {};\n", layout::scene(model).wgsl());
     let mut float = |name: &str, values: Vec<f32>| {
         accessor(&mut text, name, "f32", values.iter().map(Wgsl::wgsl));

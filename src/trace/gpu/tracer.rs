@@ -303,7 +303,8 @@ impl GpuTracer {
         Ok(())
     }
 
-    /// Sends the rays that lie in the LEDs' tables through the probe; [`Self::record_events`] makes room for what they come to.
+    /// Sends the rays that lie in the LEDs' tables through the probe; [`Self::record_events`] makes room for what they
+    /// come to.
     pub fn probe(&mut self, seed: u32, rays: u32) -> Result<(), TraceError> {
         self.prepare(Entry::Probe)?;
         self.dispatch(Entry::Probe, layout::Run::of(seed, [0, rays], [0, 1]), rays)

@@ -1,18 +1,18 @@
 //! Light from the LEDs to the touched face of a flat stack, without photons.
 //!
-//! Between flat, smooth faces and black walls a path that inner interfaces only refract is, unfolded at the outer faces, one
-//! straight layered path. With s = n sin(theta), the same in all layers, and depth D_k in layer k, it reaches
-//! r(s) = sum D_k s / sqrt(n_k^2 - s^2). So what a point of an LED sends to a point of the face by paths of m reflections is one
-//! solution of r(s) = r and, with c = sqrt(n^2 - s^2) at the LED,
+//! Between flat, smooth faces and black walls a path that inner interfaces only refract is, unfolded at the outer
+//! faces, one straight layered path. With s = n sin(theta), the same in all layers, and depth D_k in layer k, it
+//! reaches r(s) = sum D_k s / sqrt(n_k^2 - s^2). So what a point of an LED sends to a point of the face by paths of m
+//! reflections is one solution of r(s) = r and, with c = sqrt(n^2 - s^2) at the LED,
 //!
 //! ```text
 //! dE = L cos(psi) (s/n)^2 / (r c dr/ds) T dA
 //! ```
 //!
-//! for radiance L, angle psi to the LED's normal seen from above, and T of all interfaces and layers on the way. That is
-//! summed over m and over places on the LEDs, which are shifted at random from replicate to replicate: what the sum over
-//! places leaves is noise, not bias. Light that inner interfaces reflect, that tissue sends back or that was reflected more often is
-//! left to the photons.
+//! for radiance L, angle psi to the LED's normal seen from above, and T of all interfaces and layers on the way. That
+//! is summed over m and over places on the LEDs, which are shifted at random from replicate to replicate: what the sum
+//! over places leaves is noise, not bias. Light that inner interfaces reflect, that tissue sends back or that was
+//! reflected more often is left to the photons.
 
 mod site;
 #[cfg(test)]
@@ -33,8 +33,8 @@ const ENTRY: f64 = 30.0;
 /// Most parts of a texel along a side.
 const MOST_PARTS: f64 = 16.0;
 
-/// Number of reflections below which unfolding finds paths: those that outer faces reflect totally, and two more; 0 where it does not
-/// suit the LEDs and the tissue.
+/// Number of reflections below which unfolding finds paths: those that outer faces reflect totally, and two more; 0
+/// where it does not suit the LEDs and the tissue.
 pub fn reflections(model: &Model<f64>) -> u32 {
     let Some(site) = Site::of(model) else { return 0 };
     let top = model.faces.len() - 1;
@@ -48,7 +48,8 @@ pub fn reflections(model: &Model<f64>) -> u32 {
     if terms < MOST_TERMS { reflections as u32 } else { 0 }
 }
 
-/// Light per area that meets the tissue straight from the LEDs, of each texel: the map's two numbers, in film units. `shift`, in [0, 1), moves the places on the LEDs.
+/// Light per area that meets the tissue straight from the LEDs, of each texel: the map's two numbers, in film units.
+/// `shift`, in [0, 1), moves the places on the LEDs.
 pub fn direct_light(model: &Model<f64>, reflections: u32, shift: [f64; 2]) -> [Vec<f64>; 2] {
     match Site::of(model) {
         Some(site) => on_texels(model, &site, &on_points(model, &site, reflections, shift)),
@@ -86,7 +87,8 @@ fn on_points(model: &Model<f64>, site: &Site, reflections: u32, shift: [f64; 2])
 fn on_texels(model: &Model<f64>, site: &Site, points: &[[f64; 2]]) -> [Vec<f64>; 2] {
     let [columns, rows] = model.map_size;
     let mut light = [vec![0.0; columns * rows], vec![0.0; columns * rows]];
-    // A texel's light is the mean of its points under tissue, of all if none is; of its middle, where points of the face lie further apart.
+    // A texel's light is the mean of its points under tissue, of all if none is; of its middle, where points of the
+    // face lie further apart.
     let texel = [0, 1].map(|axis| 2.0 * model.half_size[axis] / model.map_size[axis] as f64);
     let parts = [0, 1].map(|axis| (2.0 * texel[axis] / site.step(axis)).ceil().clamp(1.0, MOST_PARTS) as usize);
     // Parts of texels that the box reaches: the texel's number, the place, and the cubic through four points.

@@ -6,8 +6,8 @@ use crate::trace::model::Model;
 
 /// Step of the tables along r, as a share of the length on which light near an LED changes.
 const STEP: f64 = 1e-2;
-/// Step between points of the face, as a share of the least radius of an LED, of that length, and of [`THICKNESS`] of the stack, which
-/// tells how near to each other the edges of mirrored tissue lie; and fewest points along a side.
+/// Step between points of the face, as a share of the least radius of an LED, of that length, and of [`THICKNESS`] of
+/// the stack, which tells how near to each other the edges of mirrored tissue lie; and fewest points along a side.
 const SPACING: f64 = 0.4;
 const THICKNESS: f64 = 0.25;
 const LEAST_ACROSS: f64 = 16.0;

@@ -121,7 +121,8 @@ fn unfolding_finds_the_light_of_the_photons_that_it_replaces() {
         low.leds.iter_mut().for_each(|led| led.height -= 0.1);
         assert!(worst(&by_photons, &low) > 2.0, "LEDs a tenth of a millimetre lower are not noticed");
     }
-    // One reflection that photons leave out and unfolding does not find; mirrors below tissue that reflect as if all were contact.
+    // One reflection that photons leave out and unfolding does not find; mirrors below tissue that reflect as if all
+    // were contact.
     let model = thin();
     let few = Model { unfolded: 3, ..model.clone() };
     assert!(worst(&by_photons, &few) > 2.0, "reflections that are left out are not noticed");

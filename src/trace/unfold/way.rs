@@ -61,7 +61,8 @@ pub fn rows_of(model: &Model<f64>, led: &Led<f64>, site: &Site, reflections: u32
     (0..ROWS)
         .into_par_iter()
         .map(|i| {
-            // Even in the angle on the rim: the widths of the rows, and their lengths, go to zero together and smoothly.
+            // Even in the angle on the rim: the widths of the rows, and their lengths, go to zero together and
+            // smoothly.
             let (sin, cos) = (PI * (i as f64 + shift) / ROWS as f64).sin_cos();
             let height = led.height + led.radius * cos;
             let layer = (1..model.faces.len()).find(|&k| height <= model.faces[k].z).unwrap_or(model.faces.len() - 1);
@@ -110,8 +111,8 @@ impl<'m> Way<'m> {
         Self { model, layer, turns, depths, least }
     }
 
-    /// The term at a distance. `t` is the tangent of the angle in the layer of the least index: guess and answer. The distance is a
-    /// concave function of it, so Newton's method needs no bracket.
+    /// The term at a distance. `t` is the tangent of the angle in the layer of the least index: guess and answer. The
+    /// distance is a concave function of it, so Newton's method needs no bracket.
     fn term(&self, path: &Path<f64>, r: f64, t: &mut f64) -> Term {
         if self.least == f64::INFINITY {
             return Term { enters: [0.0; 2], toward: [0.0; 2], s: 0.0, across: 0.0 };

@@ -1,4 +1,5 @@
-//! A flat frictionless punch on a layer bonded to a rigid base (Hayes et al., J. Biomech. 5, 1972), and on a half space.
+//! A flat frictionless punch on a layer bonded to a rigid base (Hayes et al., J. Biomech. 5, 1972), and on a half
+//! space.
 
 use super::{Answer, Solved, graded, held, on_a_base, touched};
 use tirtouch::mechanics::kinematics::Kinematics;

@@ -12,8 +12,8 @@ use tirtouch::mechanics::problem::Problem;
 const RADIUS: f64 = 400.0;
 /// Distance to the base and the side, mm: a base at this depth stiffens by about 0.8 a over it, 0.07 %.
 const FAR: f64 = 1200.0;
-/// In plane strain only the pressure's shape is compared, which a far base changes by (a / depth)^2. Distances much beyond
-/// raise round-off, in the far elements' strains, to the size of the contact's forces.
+/// In plane strain only the pressure's shape is compared, which a far base changes by (a / depth)^2. Distances much
+/// beyond raise round-off, in the far elements' strains, to the size of the contact's forces.
 const FAR_PLANE: f64 = 400.0;
 
 /// Size of elements in the contact on a rung, mm.

@@ -59,7 +59,8 @@ fn a_window_inside_the_contact_takes_its_base_at_its_ends() {
 
 #[test]
 fn the_width_at_half_of_the_peak_tells_shapes_apart() {
-    // A parabola and a steeper one, both cut off by the window: above a base at its ends both would be sqrt(2) half windows.
+    // A parabola and a steeper one, both cut off by the window: above a base at its ends both would be sqrt(2) half
+    // windows.
     let settings = Settings { window_mm: Some(4.0), ..Settings::default() };
     let width = |bend: f64| one(&|x| 8.0 - bend * x * x, &settings).fwhm_mm;
     close(&width(0.1), 2.0 * 40f64.sqrt());

@@ -40,7 +40,8 @@ impl Shown {
 }
 
 impl ScanSetup {
-    /// The head of the indenter at a position as a mesh to be drawn: out to `half_width_mm`, `thickness_mm` below there.
+    /// The head of the indenter at a position as a mesh to be drawn: out to `half_width_mm`, `thickness_mm` below
+    /// there.
     pub fn indenter_mesh(&self, position_mm: f64, half_width_mm: f64, thickness_mm: f64) -> Mesh {
         let depth = |x: f64| self.indenter.depth(x.abs())[0];
         let bottom = -depth(half_width_mm) - thickness_mm;

@@ -3,8 +3,8 @@
 use super::super::{Law, Response, Tensor};
 use super::{CARCINOMA, Random, derivative_errors, finite_laws, ogden, product, size};
 
-/// Deformations and the step of differences for each: about a hundredth of the distance to where a law is not smooth (the
-/// unstrained state, for the exponential one), or of the stretch.
+/// Deformations and the step of differences for each: about a hundredth of the distance to where a law is not smooth
+/// (the unstrained state, for the exponential one), or of the stretch.
 fn deformations() -> Vec<(Tensor, f64)> {
     let mut random = Random(1);
     let mut all = Vec::new();
@@ -150,8 +150,8 @@ fn every_law_starts_as_hookes() {
 
 #[test]
 fn small_strains_keep_their_digits() {
-    // Strain 1e-9: the relative error of the energy is that of the law's next order, 1e-9 m, and the round-off 1e-16/1e-9
-    // of F itself. I1 - 3 as it stands would give noise.
+    // Strain 1e-9: the relative error of the energy is that of the law's next order, 1e-9 m, and the round-off
+    // 1e-16/1e-9 of F itself. I1 - 3 as it stands would give noise.
     let f = [[1.0, 1e-9, 0.0], [1e-9, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for law in [Law::NeoHookean { shear_kpa: 14.0 }, CARCINOMA, ogden()] {
         let got = law.isochoric(&f).unwrap();
