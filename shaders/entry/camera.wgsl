@@ -1,7 +1,8 @@
-// Camera paths: one thread a pixel, `run.samples` paths each; the sum goes to the film. PATH: until the path meets an
-// LED. COMPLEMENT: what `splat` leaves out, paths whose first tissue is not reached straight. MAPPED: at tissue the
-// exitance map is read in place of following the path into it. What the image lacks, paths that get lost and weight
-// that the cap cuts off, is counted in `fates`.
+// Camera paths: one thread a pixel, `run.samples` paths each; the sum goes to the film.
+// PATH: until the path meets an LED. COMPLEMENT: what `splat` leaves out, paths whose first tissue is not reached
+// straight.
+// MAPPED: at tissue the exitance map is read in place of following the path into it.
+// What the image lacks, paths that get lost and weight that the cap cuts off, is counted in `fates`.
 
 override MAPPED: bool = false;
 override COMPLEMENT: bool = false;
