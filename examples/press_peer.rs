@@ -20,7 +20,7 @@ use tirtouch::mechanics::material::Material;
 use tirtouch::mechanics::mesh::{
     Boundary, Footprint, InclusionShape, Mesh, PhantomMesh, PhantomShape, Resolution, Star,
 };
-use tirtouch::mechanics::newton::Solver;
+use tirtouch::mechanics::newton::{Method, Solver};
 use tirtouch::mechanics::path::follow;
 use tirtouch::mechanics::press::{
     Assembly, ContactPoint, Load, PressSettings, SensorBody, Setup, contact_points, press,
@@ -178,6 +178,7 @@ fn hertz(rung: usize, nu: f64) -> Result<(Mesh, Value)> {
             contact_mm: 0.2,
             coarsest_mm: 0.4 * FAR_MM,
             growth: 0.5,
+            rim_mm: 0.0,
             inclusion_divisions: 4.0,
             subdivision: rung,
         },
@@ -197,7 +198,7 @@ fn hertz(rung: usize, nu: f64) -> Result<(Mesh, Value)> {
         contacts: vec![contact],
         ..Problem::free(kinematics, mesh, vec![material])
     };
-    let mut solver = Solver::new(&problem);
+    let mut solver = Solver::new(&problem, Method::Direct);
     let state = follow(&mut solver, problem.start(), &[1.0], &mut |_| true)?;
     let iterations = solver.iterations;
     drop(solver);

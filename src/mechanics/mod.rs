@@ -11,6 +11,7 @@ pub mod from_scene;
 pub mod kinematics;
 pub mod material;
 pub mod mesh;
+pub mod multigrid;
 pub mod newton;
 pub mod ordering;
 pub mod path;

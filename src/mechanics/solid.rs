@@ -25,6 +25,8 @@ pub struct ElementSystem {
     pub pressure_defect: [f64; MAX_PRESSURES],
     /// Rows of the pressure's slope by displacement, kPa per mm.
     pub pressure_slope: Vec<f64>,
+    /// Products of the pressure functions over the element, mm^3.
+    pub mass: [[f64; MAX_PRESSURES]; MAX_PRESSURES],
     /// Largest volume defect, mean of |J - 1 - p / kappa| weighted by the pressure functions.
     pub volume_defect: f64,
     /// Smallest J at the quadrature points.
@@ -117,6 +119,7 @@ pub fn element_system(
         stiffness: stiffness.spell_out(),
         pressure_defect: [0.0; MAX_PRESSURES],
         pressure_slope: slope,
+        mass,
         volume_defect,
         min_jacobian,
     };

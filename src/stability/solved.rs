@@ -2,13 +2,13 @@
 
 use super::StabilityError;
 use crate::mechanics::mesh::{Mesh, Resolution};
-use crate::mechanics::newton::Solver;
+use crate::mechanics::newton::{Method, Solver};
 use crate::mechanics::path::follow;
 use crate::mechanics::problem::{Problem, State, Support};
 
 /// Brings a problem to its whole load, by way of `loads`.
 pub fn solve(problem: &Problem, loads: &[f64]) -> Result<State, StabilityError> {
-    Ok(follow(&mut Solver::new(problem), problem.start(), loads, &mut |_| true)?)
+    Ok(follow(&mut Solver::new(problem, Method::Direct), problem.start(), loads, &mut |_| true)?)
 }
 
 /// Prescribes one component of the displacement wherever `at` holds.
@@ -24,5 +24,5 @@ pub fn held(
 
 /// Elements of one size within the contact and around its edge, larger ones far away.
 pub fn graded(edge_mm: f64, contact_mm: f64, coarsest_mm: f64, growth: f64, subdivision: usize) -> Resolution {
-    Resolution { edge_mm, contact_mm, coarsest_mm, growth, inclusion_divisions: 4.0, subdivision }
+    Resolution { edge_mm, contact_mm, coarsest_mm, growth, rim_mm: 0.0, inclusion_divisions: 4.0, subdivision }
 }

@@ -15,6 +15,7 @@ mod inclusion;
 mod laws;
 mod locking;
 mod manufactured;
+mod multigrid;
 mod patch;
 mod press;
 mod punches;

@@ -1,10 +1,11 @@
 //! The rounded rim of a sensor's touched face.
 //!
 //! Moulded silicone has no sharp rim, and one would be singular: on a sharp rim that slides, a mesh holds the contact's
-//! edge at one node, which snaps from the face to the rim. The nodes of the touched face near the rim move onto an arc,
-//! those of the top layer below follow, and elements keep their neighbours.
+//! edge at one node, which snaps from the face to the rim. The nodes of the touched face near the rim sink onto an arc,
+//! those of the top layer below follow, and elements keep their neighbours. Nodes that face each other across the contact
+//! still do: pressure on faces whose nodes do not is 1 % rough or more.
 
-use super::{Footprint, Lines, Mesh, MeshError, quality};
+use super::{Footprint, Mesh, MeshError, quality};
 
 /// Turning of the face along the arc, rad. A quarter circle would leave the rim's elements a corner of 180 degrees.
 const TURN: f64 = std::f64::consts::FRAC_PI_3;
@@ -22,69 +23,39 @@ pub(super) struct Fillet {
 }
 
 /// Largest element, before it is divided, that resolves a rim of this radius, mm.
-pub fn rim_size_mm(radius_mm: f64) -> f64 {
+pub(super) fn rim_size_mm(radius_mm: f64) -> f64 {
     radius_mm * TURN / DIVISIONS
 }
 
+/// Distance from the axis at which the arc of a rim begins, on a face that ends at `edge`, mm.
+pub(super) fn rim_start(radius_mm: f64, edge: f64) -> f64 {
+    edge - radius_mm * TURN.sin()
+}
+
 impl Fillet {
-    /// Distance from the axis at which the arc begins, for a face that ends at `edge`, mm.
-    pub fn start(&self, edge: f64) -> f64 {
-        edge - self.radius_mm * TURN.sin()
+    /// Cosine of the face's turning at `across` from the axis.
+    fn cosine(&self, across: f64, edge: f64) -> f64 {
+        let along = (across.abs() - rim_start(self.radius_mm, edge)).max(0.0) / self.radius_mm;
+        (1.0 - along * along).max(0.0).sqrt()
     }
 
-    /// Lines up to `edge` (and down to `-edge`), moved so that one meets the arc's beginning.
-    pub fn aligned(&self, lines: Lines, edge: f64) -> Lines {
-        let start = self.start(edge);
-        let off = |x: f64| (x.abs() - start).abs();
-        let inside = lines.0.iter().copied().filter(|x| 0.0 < *x && *x < edge);
-        let Some(nearest) = inside.min_by(|a, b| off(*a).total_cmp(&off(*b))) else { return lines };
-        let moved = |x: f64| match x.abs() {
-            across if across == edge => x,
-            across if across <= nearest => x * start / nearest,
-            across => x.signum() * (edge - (edge - across) * (edge - start) / (edge - nearest)),
-        };
-        Lines(lines.0.into_iter().map(moved).collect())
-    }
-
-    /// Place on the rounded face of a point at `across` from the axis, and the cosine of the face's turning there.
-    fn place(&self, across: f64, edge: f64) -> (f64, f64) {
-        let start = self.start(edge);
-        let share = (across.abs() - start) / (edge - start);
-        if share <= 0.0 {
-            return (across, 1.0);
-        }
-        let (sin, cos) = (share.min(1.0) * TURN).sin_cos();
-        (across.signum() * (start + self.radius_mm * sin), cos)
-    }
-
-    /// Rounds the rim of a sensor's mesh.
+    /// Rounds the rim of a sensor's mesh, which needs a line where the arc begins.
     ///
     /// # Errors
     /// Elements that fold.
     pub fn round(&self, mesh: &mut Mesh, footprint: Footprint) -> Result<(), MeshError> {
         let up = mesh.dim - 1;
+        let edges = footprint.half_widths();
         for node in &mut mesh.nodes {
             let follows = 1.0 + node[up] / self.layer_mm;
             if follows <= 0.0 {
                 continue;
             }
-            let (place, cos) = match footprint {
-                Footprint::Round { radius_mm } if up == 2 => {
-                    let across = node[0].hypot(node[1]);
-                    let (moved, cos) = self.place(across, radius_mm);
-                    let stretch = if across > 0.0 { moved / across } else { 1.0 };
-                    ([node[0] * stretch, node[1] * stretch], cos)
-                }
-                _ => {
-                    let places = [0, 1].map(|axis| self.place(node[axis], footprint.half_widths()[axis]));
-                    let cos = (0..up).map(|axis| places[axis].1).product();
-                    (places.map(|(place, _)| place), cos)
-                }
+            let cosine: f64 = match footprint {
+                Footprint::Round { radius_mm } if up == 2 => self.cosine(node[0].hypot(node[1]), radius_mm),
+                _ => (0..up).map(|axis| self.cosine(node[axis], edges[axis])).product(),
             };
-            for axis in 0..up {
-                node[axis] += follows * (place[axis] - node[axis]);
-            }
-            node[up] -= follows * self.radius_mm * (1.0 - cos);
+            node[up] -= follows * self.radius_mm * (1.0 - cosine);
         }
         quality::unfolded(mesh)
     }

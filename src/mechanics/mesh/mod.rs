@@ -22,7 +22,6 @@ mod tests;
 
 pub use builder::MOST_ELEMENTS;
 pub use error::MeshError;
-pub use fillet::rim_size_mm;
 pub use inclusion::{InclusionShape, Star};
 pub use lines::Lines;
 pub use phantom::{Footprint, PhantomMesh, PhantomShape};

@@ -3,6 +3,7 @@
 use super::boxes::{Domain, InclusionBox};
 use super::builder::{Builder, between_planes};
 use super::error::positive;
+use super::fillet::rim_start;
 use super::lines::Grading;
 use super::ogrid::Ogrid;
 use super::{InclusionShape, Lines, Mesh, MeshError, Resolution};
@@ -190,7 +191,8 @@ impl PhantomMesh {
         let plane = |axis: usize| {
             let (width, low) = (half[axis], if self.symmetry[axis] { 0.0 } else { -half[axis] });
             let edge = self.footprint.half_widths()[axis];
-            let inner = [-edge, edge].into_iter().filter(|&x| low < x && x < width);
+            let start = rim_start(self.resolution.rim_mm, edge);
+            let inner = [-edge, -start, start, edge].into_iter().filter(|&x| low < x && x < width);
             ([low, width], inner.collect::<Vec<f64>>())
         };
         let height = [0.0, self.shape.height_mm()];

@@ -2,6 +2,7 @@
 
 use super::MeshError;
 use super::error::positive;
+use super::fillet::rim_size_mm;
 
 /// Sizes of elements; `subdivision` divides all of them, so that 1, 2, 3, ... is a ladder of nested meshes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,6 +15,8 @@ pub struct Resolution {
     pub coarsest_mm: f64,
     /// Growth of the size per length away from where it is given.
     pub growth: f64,
+    /// Radius of the rim of what presses, mm, whose arc the lines meet and resolve; 0 where it is sharp.
+    pub rim_mm: f64,
     /// Elements along half a side of an inclusion's box.
     pub inclusion_divisions: f64,
     /// Each of the elements above, along each axis.
@@ -22,8 +25,15 @@ pub struct Resolution {
 
 impl Resolution {
     /// For two dimensions: about 2,000 elements for a phantom of 30 x 25 mm.
-    pub const PLANE: Self =
-        Self { edge_mm: 0.3, contact_mm: 1.4, coarsest_mm: 3.0, growth: 0.3, inclusion_divisions: 4.0, subdivision: 2 };
+    pub const PLANE: Self = Self {
+        edge_mm: 0.3,
+        contact_mm: 1.4,
+        coarsest_mm: 3.0,
+        growth: 0.3,
+        rim_mm: 0.0,
+        inclusion_divisions: 4.0,
+        subdivision: 2,
+    };
 
     /// For three dimensions: about 2,700 elements for a quarter of the same phantom with an inclusion. Force and
     /// pressure in the middle are within 0.4 % of the plane ones; three elements along the half side of the inclusion's
@@ -33,6 +43,7 @@ impl Resolution {
         contact_mm: 2.2,
         coarsest_mm: 4.5,
         growth: 0.45,
+        rim_mm: 0.0,
         inclusion_divisions: 4.0,
         subdivision: 1,
     };
@@ -55,6 +66,12 @@ impl Resolution {
     /// The same mesh with elements of half the size.
     pub fn doubled(self) -> Self {
         Self { subdivision: self.subdivision.saturating_mul(2), ..self }
+    }
+
+    /// The same mesh with elements that resolve a rim of this radius.
+    pub fn with_rim(self, rim_mm: f64) -> Self {
+        let edge_mm = if rim_mm > 0.0 { self.edge_mm.min(rim_size_mm(rim_mm)) } else { self.edge_mm };
+        Self { edge_mm, rim_mm, ..self }
     }
 
     /// The same mesh of a body `factor` times as large.

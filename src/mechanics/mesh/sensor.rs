@@ -2,7 +2,7 @@
 
 use super::builder::{Builder, between_planes};
 use super::error::positive;
-use super::fillet::Fillet;
+use super::fillet::{Fillet, rim_start};
 use super::lines::Grading;
 use super::{Footprint, Lines, Mesh, MeshError, PhantomMesh, PhantomShape, Resolution};
 
@@ -32,16 +32,15 @@ impl SensorMesh {
         let edge = self.footprint.half_widths()[0];
         let low = if self.symmetry[0] { 0.0 } else { -edge };
         let lines = phantom.unwrap_or(&self.alone()).contact_lines()?;
-        if lines.0.first() != Some(&low) || lines.0.last() != Some(&edge) {
+        let start = rim_start(self.edge_radius_mm, edge);
+        if lines.0.first() != Some(&low) || lines.0.last() != Some(&edge) || !lines.0.contains(&start) {
             return Err(MeshError::NoSharedEdge { edge_mm: edge });
         }
         let base = heights.0.first().copied().unwrap_or(0.0);
-        let fillet = self.fillet();
-        let lines = fillet.map_or(lines.clone(), |fillet| fillet.aligned(lines, edge));
         let mut builder = Builder::new(2);
         builder.add_grid(&[lines, heights], |cell| regions.get(cell[1]).copied())?;
         let mut mesh = builder.finish(between_planes(2, 0.0, base, self.symmetry))?;
-        if let Some(fillet) = fillet {
+        if let Some(fillet) = self.fillet() {
             fillet.round(&mut mesh, self.footprint)?;
         }
         Ok(mesh)
@@ -85,7 +84,8 @@ impl SensorMesh {
                 PhantomShape::Block { size_mm: half_widths_mm.map(|half| 2.0 * half), height_mm }
             }
         };
-        let (footprint, symmetry, resolution) = (self.footprint, self.symmetry, self.resolution);
+        let (footprint, symmetry) = (self.footprint, self.symmetry);
+        let resolution = self.resolution.with_rim(self.edge_radius_mm);
         PhantomMesh { shape, inclusions: Vec::new(), footprint, symmetry, resolution }
     }
 

@@ -1,33 +1,30 @@
-//! A linear system close to one that is factorised: GMRES (Saad and Schultz, SIAM J. Sci. Stat. Comput. 7, 856, 1986).
+//! Linear systems that are not symmetric: GMRES (Saad and Schultz, SIAM J. Sci. Stat. Comput. 7, 856, 1986).
 
-/// Least residual, as a share of the first.
-const TOLERANCE: f64 = 1e-10;
-/// Most directions, each of one solve: more than what is not symmetric has ranks, for near a snap all of them count.
-const DIRECTIONS: usize = 240;
+use rayon::prelude::*;
 
-/// Solves (A + B) x = `right`, where `solve` solves with A in place and `rest` multiplies by B.
+/// Solves for `right`, given how a vector is multiplied, until the residual is `tolerance` of the first or `directions`
+/// are spent. The residual that is left comes second, as a share.
 pub(super) fn gmres(
-    mut right: Vec<f64>,
-    solve: &mut dyn FnMut(&mut [f64]),
-    rest: &mut dyn FnMut(&[f64]) -> Vec<f64>,
-) -> Vec<f64> {
-    solve(&mut right);
+    right: Vec<f64>,
+    multiply: &mut dyn FnMut(&[f64]) -> Vec<f64>,
+    tolerance: f64,
+    directions: usize,
+) -> (Vec<f64>, f64) {
     let size = norm(&right);
     if size == 0.0 {
-        return right;
+        return (right, 0.0);
     }
     // Orthonormal directions; the Hessenberg matrix's columns, turned upper triangular; the residual's components.
-    let mut basis = vec![right.iter().map(|r| r / size).collect::<Vec<f64>>()];
+    let count = right.len();
+    let mut basis = vec![scaled(right, 1.0 / size)];
     let (mut columns, mut turns): (Vec<Vec<f64>>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());
     let mut residual = vec![size];
-    for k in 0..DIRECTIONS {
-        let mut next = rest(&basis[k]);
-        solve(&mut next);
-        next.iter_mut().zip(&basis[k]).for_each(|(next, b)| *next += b);
+    for k in 0..directions {
+        let mut next = multiply(&basis[k]);
         let mut column: Vec<f64> = Vec::with_capacity(k + 2);
         for b in &basis {
-            let share: f64 = b.iter().zip(&next).map(|(b, n)| b * n).sum();
-            next.iter_mut().zip(b).for_each(|(n, b)| *n -= share * b);
+            let share = dot(b, &next);
+            add(&mut next, -share, b);
             column.push(share);
         }
         let left = norm(&next);
@@ -41,24 +38,46 @@ pub(super) fn gmres(
         turns.push(turn);
         residual.push(-turn[1] * residual[k]);
         residual[k] *= turn[0];
-        if residual[k + 1].abs() <= TOLERANCE * size {
+        if residual[k + 1].abs() <= tolerance * size {
             break;
         }
-        basis.push(next.into_iter().map(|n| n / left).collect());
+        basis.push(scaled(next, 1.0 / left));
     }
-    let mut x = vec![0.0; right.len()];
+    let reached = residual[columns.len()].abs() / size;
+    let mut x = vec![0.0; count];
     let mut shares = residual;
     for k in (0..columns.len()).rev() {
         shares[k] /= columns[k][k];
         let share = shares[k];
         (0..k).for_each(|i| shares[i] -= share * columns[k][i]);
-        x.iter_mut().zip(&basis[k]).for_each(|(x, b)| *x += share * b);
+        add(&mut x, share, &basis[k]);
     }
-    x
+    (x, reached)
+}
+
+/// Entries that a thread takes at a time.
+const CHUNK: usize = 1 << 14;
+
+/// A scalar product whose bits do not depend on the number of threads.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let sums = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK));
+    let sums: Vec<f64> = sums.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum()).collect();
+    sums.iter().sum()
+}
+
+fn add(to: &mut [f64], share: f64, of: &[f64]) {
+    to.par_chunks_mut(CHUNK).zip(of.par_chunks(CHUNK)).for_each(|(to, of)| {
+        to.iter_mut().zip(of).for_each(|(to, of)| *to += share * of);
+    });
+}
+
+fn scaled(mut v: Vec<f64>, by: f64) -> Vec<f64> {
+    v.iter_mut().for_each(|v| *v *= by);
+    v
 }
 
 fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|c| c * c).sum::<f64>().sqrt()
+    dot(v, v).sqrt()
 }
 
 #[cfg(test)]
@@ -67,14 +86,13 @@ mod tests {
 
     #[test]
     fn an_unsymmetric_system_is_solved() {
-        // A is diagonal, B couples each unknown with the next.
-        let diagonal = |k: usize| 1.0 + 0.3 * k as f64;
-        let rest = |v: &[f64]| -> Vec<f64> { (0..v.len()).map(|k| 0.5 * v.get(k + 1).unwrap_or(&0.0)).collect() };
+        // A diagonal, and each unknown coupled with the next.
+        let mut multiply = |v: &[f64]| -> Vec<f64> {
+            (0..v.len()).map(|k| (1.0 + 0.3 * k as f64) * v[k] + 0.5 * v.get(k + 1).unwrap_or(&0.0)).collect()
+        };
         let exact: Vec<f64> = (0..12).map(|k| f64::from(k).sin()).collect();
-        let right: Vec<f64> =
-            rest(&exact).iter().zip(&exact).enumerate().map(|(k, (r, x))| r + diagonal(k) * x).collect();
-        let solve = &mut |v: &mut [f64]| v.iter_mut().enumerate().for_each(|(k, v)| *v /= diagonal(k));
-        let found = gmres(right, solve, &mut |v| rest(v));
+        let (found, reached) = gmres(multiply(&exact), &mut multiply, 1e-10, 240);
+        assert!(reached <= 1e-10);
         for (found, exact) in found.iter().zip(&exact) {
             assert!((found - exact).abs() < 1e-8, "{found} {exact}");
         }

@@ -1,18 +1,19 @@
 //! Newton's method over displacement, pressure and contact traction.
 
 mod damping;
+mod iterative;
 mod krylov;
 mod system;
 mod touch;
 
-use super::contact::{Grip, Positions};
+use super::contact::{Positions, SPRING};
 use super::material::History;
-use super::problem::{Problem, State};
+use super::problem::{Problem, State, Traction};
 use super::solid::{ElementSystem, advance_history, element_system, tangent_bulk_kpa};
-use super::sparse::{SparseCholesky, SparseError};
+use super::sparse::SparseError;
 use damping::Damping;
 use rayon::prelude::*;
-use system::{floor, own_stiffness, unknowns};
+use system::{Tangent, floor, own_stiffness};
 use thiserror::Error;
 use touch::{Hold, Touching, touch};
 
@@ -23,7 +24,8 @@ pub struct Solver<'a> {
     equation: Vec<u32>,
     /// Prescribed displacement of each component at load factor 1.
     prescribed: Vec<f64>,
-    matrix: Option<SparseCholesky>,
+    method: Method,
+    tangent: Option<Tangent>,
     tangent_bulk_kpa: f64,
     /// Forces of a strain of `FLOOR_STRAIN`, mN.
     floor: Vec<f64>,
@@ -34,11 +36,33 @@ pub struct Solver<'a> {
     seconds: f64,
     /// Newton iterations so far.
     pub iterations: usize,
+    /// Cycles of multigrid so far.
+    pub cycles: usize,
     /// Symbolic factorisations so far.
     pub symbolic: usize,
 }
 
 const HELD: u32 = u32::MAX;
+
+/// How Newton's linear systems are solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// By factorisation: the fastest in two dimensions and for few unknowns.
+    #[default]
+    Direct,
+    /// By Krylov's method with multigrid, in three dimensions: time and memory grow as the unknowns.
+    Multigrid,
+}
+
+/// A step of Newton's method.
+struct Change {
+    /// Displacement of each component, mm.
+    displacement: Vec<f64>,
+    /// Pressure coefficients, kPa.
+    pressure: Vec<f64>,
+    /// Tractions of each contact that it starts from, and their change, kPa.
+    traction: Vec<Vec<[Traction; 2]>>,
+}
 
 /// When a state counts as balanced.
 const FORCE_TOLERANCE: f64 = 1e-9;
@@ -111,7 +135,7 @@ impl Balance {
 
 impl<'a> Solver<'a> {
     /// Numbers the unknowns of a problem.
-    pub fn new(problem: &'a Problem) -> Self {
+    pub fn new(problem: &'a Problem, method: Method) -> Self {
         let dim = problem.kinematics.dim();
         let mut prescribed = vec![0.0; problem.mesh.nodes.len() * dim];
         let mut equation = vec![0; prescribed.len()];
@@ -127,13 +151,15 @@ impl<'a> Solver<'a> {
             problem,
             equation,
             prescribed,
-            matrix: None,
+            method,
+            tangent: None,
             tangent_bulk_kpa: tangent_bulk_kpa(&problem.materials),
             floor: floor(problem),
             own_stiffness: own_stiffness(problem),
             damping: Damping::NONE,
             seconds: 0.0,
             iterations: 0,
+            cycles: 0,
             symbolic: 0,
         }
     }
@@ -180,8 +206,7 @@ impl<'a> Solver<'a> {
     fn over(&mut self, from: &State, guess: &State, load: f64, seconds: f64, damped: bool) -> Result<State, StepError> {
         self.damping = Damping::NONE;
         let mut found = self.balanced(from, guess, load, seconds, ITERATIONS);
-        let slides = self.problem.contacts.iter().any(|contact| contact.grip != Grip::Bonded);
-        if damped && slides && matches!(found, Err(StepError::Diverged { .. } | StepError::InsideOut)) {
+        if damped && matches!(found, Err(StepError::Diverged { .. } | StepError::InsideOut)) {
             self.damping = Damping::START;
             found = self.balanced(from, guess, load, seconds, DAMPED_ITERATIONS);
         }
@@ -255,7 +280,7 @@ impl<'a> Solver<'a> {
             self.damping.renew(balance.force, same);
             self.iterations += 1;
             let change = self.solve(&state, &systems, &touches)?;
-            state = self.advance(&state, &systems, &touches, &change)?;
+            state = self.advance(&state, &change)?;
         }
         Err(StepError::Diverged {
             iterations: self.iterations - first,
@@ -272,7 +297,7 @@ impl<'a> Solver<'a> {
 
     /// Bytes of the last factor.
     pub fn factor_bytes(&self) -> usize {
-        self.matrix.as_ref().map_or(0, SparseCholesky::factor_bytes)
+        self.tangent.as_ref().map_or(0, Tangent::bytes)
     }
 
     fn nodes(&self, e: usize) -> (Vec<[f64; 3]>, &[u32]) {
@@ -299,11 +324,22 @@ impl<'a> Solver<'a> {
                 let pressure: Vec<f64> = traction.iter().map(|t| t.normal).collect();
                 let (gaps, bending) = contact.gaps(at, &pressure);
                 let nodes = gaps.into_iter().zip(traction).enumerate();
-                let touch =
-                    |(k, (gap, &now))| touch(contact.grip, gap, now, contact.spring[k], self.held(contact.nodes[k]));
+                let touch = |(k, (gap, &now))| {
+                    touch(contact.grip, gap, now, self.springs(contact.spring[k]), self.held(contact.nodes[k]))
+                };
                 Touching { nodes: nodes.map(touch).collect(), bending }
             })
             .collect()
+    }
+
+    /// The spring as stiff as the body, and that of the tangent: multigrid bears no stiffness far above the body's, and
+    /// has the tractions among its unknowns.
+    fn springs(&self, stiff: f64) -> [f64; 2] {
+        let soft = stiff / SPRING;
+        match self.method {
+            Method::Direct => [soft, stiff],
+            Method::Multigrid => [soft, iterative::CONTACT * soft],
+        }
     }
 
     /// Which displacements of a node are prescribed.
@@ -313,17 +349,11 @@ impl<'a> Solver<'a> {
     }
 
     /// Moves a state along Newton's step, as far as no element turns inside out.
-    fn advance(
-        &self,
-        state: &State,
-        systems: &[ElementSystem],
-        touches: &[Touching],
-        change: &[f64],
-    ) -> Result<State, StepError> {
+    fn advance(&self, state: &State, change: &Change) -> Result<State, StepError> {
         let mut share = 1.0;
         for _ in 0..HALVINGS {
-            let next = self.moved(state, systems, touches, change, share);
-            let sound = (0..systems.len()).into_par_iter().all(|e| self.element(e, &next, None).is_some());
+            let next = self.moved(state, change, share);
+            let sound = (0..next.history.len()).into_par_iter().all(|e| self.element(e, &next, None).is_some());
             if sound {
                 return Ok(next);
             }
@@ -332,35 +362,16 @@ impl<'a> Solver<'a> {
         Err(StepError::InsideOut)
     }
 
-    fn moved(
-        &self,
-        state: &State,
-        systems: &[ElementSystem],
-        touches: &[Touching],
-        change: &[f64],
-        share: f64,
-    ) -> State {
-        let (dim, pressures) = (self.problem.kinematics.dim(), self.problem.pressures());
+    fn moved(&self, state: &State, change: &Change, share: f64) -> State {
+        let dim = self.problem.kinematics.dim();
         let mut next = state.clone();
-        for (k, du) in change.iter().enumerate() {
+        for (k, du) in change.displacement.iter().enumerate() {
             next.displacement[k / dim][k % dim] += share * du;
         }
-        for (e, system) in systems.iter().enumerate() {
-            let unknowns = unknowns(self.problem.mesh.element(e), dim);
-            for p in 0..pressures {
-                let slope = &system.pressure_slope[p * unknowns.len()..];
-                let moved: f64 = unknowns.iter().zip(slope).map(|(&k, s)| s * change[k]).sum();
-                next.pressure[e * pressures + p] += share * (system.pressure_defect[p] + moved);
-            }
-        }
-        for (list, touching) in next.traction.iter_mut().zip(touches) {
-            for (traction, touch) in list.iter_mut().zip(&touching.nodes) {
-                let target = touch.stepped(change, dim);
-                traction.normal = touch.now.normal + share * (target.normal - touch.now.normal);
-                for i in 0..3 {
-                    traction.vector[i] = touch.now.vector[i] + share * (target.vector[i] - touch.now.vector[i]);
-                }
-            }
+        next.pressure.iter_mut().zip(&change.pressure).for_each(|(p, dp)| *p += share * dp);
+        for (traction, [from, by]) in next.traction.iter_mut().flatten().zip(change.traction.iter().flatten()) {
+            traction.normal = from.normal + share * by.normal;
+            traction.vector = [0, 1, 2].map(|i| from.vector[i] + share * by.vector[i]);
         }
         next
     }

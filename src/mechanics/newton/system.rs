@@ -1,14 +1,51 @@
 //! Newton's linear system: residual, tangent, step.
 
+use super::iterative::BULK;
 use super::krylov::gmres;
 use super::touch::{Hold, Touching, pushes};
-use super::{Balance, CHUNK, FLOOR_STRAIN, HELD, Solver, StepError};
+use super::{Balance, CHUNK, Change, FLOOR_STRAIN, HELD, Method, Solver, StepError};
 use crate::mechanics::contact::Coupling;
 use crate::mechanics::element::quadrature;
+use crate::mechanics::multigrid::Multigrid;
 use crate::mechanics::problem::{Problem, State};
 use crate::mechanics::solid::ElementSystem;
 use crate::mechanics::sparse::{SparseCholesky, SparseError};
 use rayon::prelude::*;
+
+/// Least residual of what is not symmetric, as a share of the first, and most directions, each of one solve: more than
+/// it has ranks, for near a snap all of them count.
+const ODD_TOLERANCE: f64 = 1e-10;
+const ODD_DIRECTIONS: usize = 240;
+
+/// Newton's tangent, as its method holds it.
+pub(super) enum Tangent {
+    Direct(Box<SparseCholesky>),
+    Multigrid(Box<Multigrid>),
+}
+
+impl Tangent {
+    fn clear(&mut self) {
+        match self {
+            Self::Direct(matrix) => matrix.values.fill(0.0),
+            Self::Multigrid(multigrid) => multigrid.clear(),
+        }
+    }
+
+    fn couples(&self, nodes: &[u32]) -> bool {
+        match self {
+            Self::Direct(matrix) => matrix.couples(nodes),
+            Self::Multigrid(multigrid) => multigrid.couples(nodes),
+        }
+    }
+
+    /// Bytes of the factor, or of the levels.
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Self::Direct(matrix) => matrix.factor_bytes(),
+            Self::Multigrid(multigrid) => multigrid.bytes(),
+        }
+    }
+}
 
 impl Solver<'_> {
     /// All elements with their tangents, and how far the state is from balance.
@@ -24,14 +61,14 @@ impl Solver<'_> {
         let mut residual = vec![0.0; self.prescribed.len()];
         let mut size = self.floor.clone();
         let mut volume: f64 = 0.0;
-        let mut matrix = self.matrix.take().ok_or(SparseError::TooLarge)?;
-        matrix.values.fill(0.0);
+        let mut tangent = self.tangent.take().ok_or(SparseError::TooLarge)?;
+        tangent.clear();
         let elements: Vec<usize> = (0..problem.mesh.element_count()).collect();
         for chunk in elements.chunks(CHUNK) {
             let chunk_systems: Option<Vec<ElementSystem>> =
-                chunk.par_iter().map(|&e| self.element(e, state, Some(self.tangent_bulk_kpa))).collect();
+                chunk.par_iter().map(|&e| self.element(e, state, Some(self.bulk_kpa(e)))).collect();
             let Some(chunk_systems) = chunk_systems else {
-                self.matrix = Some(matrix);
+                self.tangent = Some(tangent);
                 return Err(StepError::InsideOut);
             };
             for (&e, mut system) in chunk.iter().zip(chunk_systems) {
@@ -41,20 +78,20 @@ impl Solver<'_> {
                     size[k] += f.abs();
                 }
                 volume = volume.max(system.volume_defect);
-                self.add_element(&mut matrix, problem.mesh.element(e), &unknowns, &system.stiffness);
+                self.add_element(&mut tangent, problem.mesh.element(e), &unknowns, &system.stiffness);
                 system.stiffness = held_columns(&unknowns, &self.equation, &system.stiffness);
                 systems.push(system);
             }
         }
-        self.add_contacts(&mut matrix, touches);
+        self.add_contacts(&mut tangent, touches);
         if self.damping.share > 0.0 {
-            for (&e, stiffness) in self.equation.iter().zip(&self.own_stiffness).filter(|(e, _)| **e != HELD) {
-                if let Some(place) = matrix.position(e, e) {
-                    matrix.values[place] += self.damping.share * stiffness;
-                }
+            for (node, stiffness) in self.own_stiffness.chunks(dim).enumerate() {
+                let mut block = [0.0; 9];
+                (0..dim).for_each(|c| block[4 * c] = self.damping.share * stiffness[c]);
+                self.add_pair(&mut tangent, node as u32, node as u32, &block);
             }
         }
-        self.matrix = Some(matrix);
+        self.tangent = Some(tangent);
         for &(node, force) in &problem.forces {
             for c in 0..dim {
                 residual[node as usize * dim + c] -= state.load * force[c];
@@ -87,73 +124,114 @@ impl Solver<'_> {
         Ok((systems, Balance { force, volume, gap, settled }))
     }
 
+    /// Bulk modulus that an element has in the tangent, kPa.
+    pub(super) fn bulk_kpa(&self, e: usize) -> f64 {
+        match self.method {
+            Method::Direct => self.tangent_bulk_kpa,
+            Method::Multigrid => {
+                let material = &self.problem.materials[self.problem.mesh.region[e] as usize];
+                BULK * material.law.shear_kpa()
+            }
+        }
+    }
+
     /// Makes sure that the pattern holds all pairs that now touch.
     fn prepare(&mut self, touches: &[Touching]) -> Result<(), SparseError> {
         let touching = touches.iter().flat_map(|t| &t.nodes);
         let contacts: Vec<Vec<u32>> =
             touching.map(|touch| touch.gap.moved.iter().map(|entry| entry.0).collect()).collect();
-        if self.matrix.as_ref().is_some_and(|matrix| contacts.iter().all(|group| matrix.couples(group))) {
+        if self.tangent.as_ref().is_some_and(|tangent| contacts.iter().all(|group| tangent.couples(group))) {
             return Ok(());
         }
         let (mesh, dim) = (&self.problem.mesh, self.problem.kinematics.dim());
-        let mut groups: Vec<Vec<u32>> = (0..mesh.element_count()).map(|e| mesh.element(e).to_vec()).collect();
-        groups.extend(contacts);
-        let mut first = vec![0];
-        for unknowns in self.equation.chunks(dim) {
-            let free = unknowns.iter().filter(|e| **e != HELD).count() as u32;
-            first.push(first.last().map_or(0, |last| last + free));
-        }
-        self.matrix = Some(SparseCholesky::new(first, &mesh.nodes, &groups)?);
+        self.tangent = Some(match self.method {
+            Method::Direct => {
+                let mut groups: Vec<Vec<u32>> = (0..mesh.element_count()).map(|e| mesh.element(e).to_vec()).collect();
+                groups.extend(contacts);
+                let mut first = vec![0];
+                for unknowns in self.equation.chunks(dim) {
+                    let free = unknowns.iter().filter(|e| **e != HELD).count() as u32;
+                    first.push(first.last().map_or(0, |last| last + free));
+                }
+                Tangent::Direct(Box::new(SparseCholesky::new(first, &mesh.nodes, &groups)?))
+            }
+            Method::Multigrid => {
+                let held = (0..mesh.nodes.len() as u32).map(|node| self.held(node)).collect();
+                Tangent::Multigrid(Box::new(Multigrid::new(mesh, held, &contacts)))
+            }
+        });
         self.symbolic += 1;
         Ok(())
     }
 
-    fn add_element(&self, matrix: &mut SparseCholesky, nodes: &[u32], unknowns: &[usize], stiffness: &[f64]) {
-        let numbers: Vec<u32> = unknowns.iter().map(|&k| self.equation[k]).collect();
-        matrix.add(nodes, &numbers, stiffness);
+    fn add_element(&self, tangent: &mut Tangent, nodes: &[u32], unknowns: &[usize], stiffness: &[f64]) {
+        match tangent {
+            Tangent::Direct(matrix) => {
+                let numbers: Vec<u32> = unknowns.iter().map(|&k| self.equation[k]).collect();
+                matrix.add(nodes, &numbers, stiffness);
+            }
+            Tangent::Multigrid(multigrid) => multigrid.add_element(nodes, stiffness),
+        }
     }
 
-    fn add_contacts(&self, matrix: &mut SparseCholesky, touches: &[Touching]) {
-        let dim = self.problem.kinematics.dim();
-        let mut add = |row: u32, i: usize, column: u32, j: usize, value: f64| {
-            let (row, column) = (self.equation[row as usize * dim + i], self.equation[column as usize * dim + j]);
-            if row >= column
-                && row != HELD
-                && column != HELD
-                && let Some(place) = matrix.position(row, column)
-            {
-                matrix.values[place] += value;
+    /// Adds to the stiffness of a pair of nodes, in this order.
+    fn add_pair(&self, tangent: &mut Tangent, row: u32, column: u32, block: &[f64; 9]) {
+        match tangent {
+            Tangent::Direct(matrix) => {
+                let dim = self.problem.kinematics.dim();
+                for i in 0..dim {
+                    for j in 0..dim {
+                        let [row, column] =
+                            [row as usize * dim + i, column as usize * dim + j].map(|k| self.equation[k]);
+                        if row >= column
+                            && row != HELD
+                            && column != HELD
+                            && let Some(place) = matrix.position(row, column)
+                        {
+                            matrix.values[place] += block[3 * i + j];
+                        }
+                    }
+                }
             }
-        };
+            Tangent::Multigrid(multigrid) => multigrid.add_pair(row, column, block),
+        }
+    }
+
+    fn add_contacts(&self, tangent: &mut Tangent, touches: &[Touching]) {
         for touch in touches.iter().flat_map(|t| &t.nodes).filter(|touch| touch.hold != Hold::Free) {
             let normal = touch.spring / touch.gap.area;
             let along = touch.along.map(|row| row.map(|spring| spring / touch.gap.area));
             for (a, m, n) in &touch.gap.moved {
                 for (b, o, p) in &touch.gap.moved {
-                    for i in 0..dim {
-                        for j in 0..dim {
-                            add(*a, i, *b, j, normal * n[i] * p[j] + m * o * along[i][j]);
-                        }
-                    }
+                    let entry = |i: usize, j: usize| normal * n[i] * p[j] + m * o * along[i][j];
+                    self.add_pair(tangent, *a, *b, &std::array::from_fn(|k| entry(k / 3, k % 3)));
                 }
             }
         }
         for (a, b, stiffness) in touches.iter().flat_map(|t| &t.bending.even) {
-            for i in 0..dim {
-                for j in 0..dim {
-                    add(*a, i, *b, j, stiffness[i][j]);
-                }
-            }
+            self.add_pair(tangent, *a, *b, &std::array::from_fn(|k| stiffness[k / 3][k % 3]));
         }
     }
 
-    /// Newton's step of the displacements.
+    /// Newton's step.
     pub(super) fn solve(
         &mut self,
         state: &State,
         systems: &[ElementSystem],
         touches: &[Touching],
-    ) -> Result<Vec<f64>, StepError> {
+    ) -> Result<Change, StepError> {
+        let mut tangent = self.tangent.take().ok_or(SparseError::TooLarge)?;
+        let (held, right) = self.right_side(state, systems, touches);
+        let solved = match &mut tangent {
+            Tangent::Direct(matrix) => self.solve_directly(matrix, held, &right, systems, touches),
+            Tangent::Multigrid(multigrid) => self.solve_iteratively(multigrid, held, right, systems, touches),
+        };
+        self.tangent = Some(tangent);
+        solved
+    }
+
+    /// Motion of the held components, and the forces on all that it and the state leave.
+    fn right_side(&self, state: &State, systems: &[ElementSystem], touches: &[Touching]) -> (Vec<f64>, Vec<f64>) {
         let problem = self.problem;
         let dim = problem.kinematics.dim();
         let mut right = vec![0.0; self.prescribed.len()];
@@ -181,44 +259,71 @@ impl Solver<'_> {
                 (0..dim).for_each(|c| right[node as usize * dim + c] += push[c]);
             }
         }
-        let vector: Vec<f64> = self.free(&right);
-        let mut matrix = self.matrix.take().ok_or(SparseError::TooLarge)?;
-        let solved = matrix.factorize().map(|()| {
-            let dragged: Vec<_> = touches.iter().flat_map(|t| &t.nodes).filter(|t| t.is_odd()).collect();
-            let odd: Vec<&Coupling> = touches.iter().flat_map(|t| &t.bending.odd).collect();
-            if dragged.is_empty() && odd.is_empty() {
-                let mut vector = vector;
-                matrix.solve(&mut vector);
-                return vector;
-            }
+        (change, right)
+    }
+
+    fn solve_directly(
+        &self,
+        matrix: &mut SparseCholesky,
+        mut change: Vec<f64>,
+        right: &[f64],
+        systems: &[ElementSystem],
+        touches: &[Touching],
+    ) -> Result<Change, StepError> {
+        matrix.factorize()?;
+        let mut vector: Vec<f64> = self.free(right);
+        matrix.solve(&mut vector);
+        if let Some(odd) = self.odd(touches) {
             // The matrix lacks what is not symmetric.
             let mut spread = vec![0.0; self.prescribed.len()];
-            gmres(vector, &mut |v| matrix.solve(v), &mut |v| {
-                self.equation
-                    .iter()
-                    .zip(&mut spread)
-                    .for_each(|(&e, s)| *s = v.get(e as usize).copied().unwrap_or(0.0));
-                let mut force = vec![0.0; self.prescribed.len()];
-                for touch in &dragged {
-                    for (a, push) in pushes(touch, &touch.odd_answer(&spread, dim)) {
-                        (0..dim).for_each(|i| force[a as usize * dim + i] -= push[i]);
-                    }
+            let mut multiply = |v: &[f64]| {
+                for (&e, s) in self.equation.iter().zip(&mut spread).filter(|(e, _)| **e != HELD) {
+                    *s = v[e as usize];
                 }
-                for (a, b, k) in &odd {
-                    for i in 0..dim {
-                        let pull: f64 = (0..dim).map(|j| k[i][j] * spread[*b as usize * dim + j]).sum();
-                        force[*a as usize * dim + i] += pull;
-                    }
-                }
-                self.free(&force)
-            })
-        });
-        self.matrix = Some(matrix);
-        let vector = solved?;
+                let mut next = self.free(&odd(&spread));
+                matrix.solve(&mut next);
+                next.iter_mut().zip(v).for_each(|(next, v)| *next += v);
+                next
+            };
+            vector = gmres(vector, &mut multiply, ODD_TOLERANCE, ODD_DIRECTIONS).0;
+        }
         for (k, &e) in self.equation.iter().enumerate().filter(|(_, e)| **e != HELD) {
             change[k] = vector[e as usize];
         }
-        Ok(change)
+        let dim = self.problem.kinematics.dim();
+        let mut pressure = Vec::new();
+        for (e, system) in systems.iter().enumerate() {
+            let unknowns = unknowns(self.problem.mesh.element(e), dim);
+            let rows = system.pressure_slope.chunks(unknowns.len()).zip(system.pressure_defect);
+            let along = |slope: &[f64]| unknowns.iter().zip(slope).map(|(&k, s)| s * change[k]).sum::<f64>();
+            pressure.extend(rows.map(|(slope, defect)| defect + along(slope)));
+        }
+        let traction = touches.iter().map(|t| t.nodes.iter().map(|touch| touch.step(&change, dim)).collect()).collect();
+        Ok(Change { displacement: change, pressure, traction })
+    }
+
+    /// Forces by a motion that the symmetric tangent lacks, where there are any.
+    pub(super) fn odd<'t>(&'t self, touches: &'t [Touching]) -> Option<impl Fn(&[f64]) -> Vec<f64> + 't> {
+        let dim = self.problem.kinematics.dim();
+        let dragged: Vec<_> = touches.iter().flat_map(|t| &t.nodes).filter(|t| t.is_odd()).collect();
+        let odd: Vec<&Coupling> = touches.iter().flat_map(|t| &t.bending.odd).collect();
+        let forces = move |motion: &[f64]| {
+            let mut force = vec![0.0; motion.len()];
+            for touch in &dragged {
+                for (a, push) in pushes(touch, &touch.odd_answer(motion, dim)) {
+                    (0..dim).for_each(|i| force[a as usize * dim + i] -= push[i]);
+                }
+            }
+            for (a, b, k) in &odd {
+                for i in 0..dim {
+                    let pull: f64 = (0..dim).map(|j| k[i][j] * motion[*b as usize * dim + j]).sum();
+                    force[*a as usize * dim + i] += pull;
+                }
+            }
+            force
+        };
+        let any = touches.iter().any(|t| !t.bending.odd.is_empty() || t.nodes.iter().any(|t| t.is_odd()));
+        any.then_some(forces)
     }
 
     /// The free ones of all components.

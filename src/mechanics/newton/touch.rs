@@ -1,6 +1,6 @@
 //! What a touched node does: bonded, free, sticking or slipping.
 
-use crate::mechanics::contact::{Bending, Grip, NodeGap, SPRING};
+use crate::mechanics::contact::{Bending, Grip, NodeGap};
 use crate::mechanics::problem::Traction;
 
 type Tensor = [[f64; 3]; 3];
@@ -20,6 +20,8 @@ pub(super) struct Touch {
     pub now: Traction,
     /// Traction that the next step starts from: with the springs' share.
     pub trial: Traction,
+    /// The tangent's spring, kPa per mm; 0 where free.
+    pub stiff: f64,
     /// Spring against the normal gap, kPa per mm; 0 where free.
     pub spring: f64,
     /// Spring against slip (or any offset), kPa per mm; 0 where it is free.
@@ -90,13 +92,14 @@ fn open_face(normal: [f64; 3], held: [bool; 3]) -> Tensor {
 /// its traction, less a body-like spring times the slip, exceeds friction times the pressure; it then bears friction
 /// times the pressure *of the next state*, and in three dimensions its direction turns with the slip. Along the axes
 /// that are `held`, as on a plane of symmetry, faces do not rub: neighbours would hold such a node's mean slip once
-/// more.
-pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64, held: [bool; 3]) -> Touch {
+/// more. Springs: one as stiff as the body, and that of the tangent.
+pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, [soft, spring]: [f64; 2], held: [bool; 3]) -> Touch {
     let free = |settled| Touch {
         gap: NodeGap::default(),
         hold: Hold::Free,
         now: Traction::default(),
         trial: Traction::default(),
+        stiff: 0.0,
         spring: 0.0,
         along: [[0.0; 3]; 3],
         drag: [0.0; 3],
@@ -111,16 +114,24 @@ pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, spring: f64, held: 
     if grip == Grip::Bonded {
         let trial = Traction { vector: pulled(spring), ..Traction::default() };
         let along = scaled(&across([0.0; 3]), spring);
-        return Touch { gap, hold: Hold::Bonded, now, trial, along, defect: length(offset), ..free(true) };
+        return Touch {
+            gap,
+            hold: Hold::Bonded,
+            now,
+            trial,
+            stiff: spring,
+            along,
+            defect: length(offset),
+            ..free(true)
+        };
     }
     let mean = gap.gap / gap.area;
-    // What decides is a spring as stiff as the body: a stiffer one would let go at each curved step.
-    let soft = spring / SPRING;
+    // What decides is the soft spring: a stiffer one would let go at each curved step.
     let pressure = now.normal - soft * mean;
     if pressure <= 0.0 {
         return Touch { gap, ..free(now.normal <= 0.0) };
     }
-    let touching = Touch { spring, defect: mean.abs(), ..free(now.normal > 0.0) };
+    let touching = Touch { stiff: spring, spring, defect: mean.abs(), ..free(now.normal > 0.0) };
     let pressed = now.normal - spring * mean;
     // The gap's gradient is longer than 1 on a sloping profile, and so is the normal traction than the pressure.
     let friction = match grip {
@@ -177,6 +188,18 @@ impl Touch {
             .sum();
         let vector = self.drag.map(|c| c * normal);
         Traction { normal: normal + self.spring * along / self.gap.area, vector }
+    }
+
+    /// The part of a vector that a bonded or sticking node's spring is against.
+    pub fn along_face(&self, v: [f64; 3]) -> [f64; 3] {
+        apply(&self.along, v).map(|c| c / self.stiff)
+    }
+
+    /// The traction, and its change in a full Newton step.
+    pub fn step(&self, change: &[f64], dim: usize) -> [Traction; 2] {
+        let next = self.stepped(change, dim);
+        let vector = [0, 1, 2].map(|i| next.vector[i] - self.now.vector[i]);
+        [self.now, Traction { normal: next.normal - self.now.normal, vector }]
     }
 
     /// Traction after a full Newton step.

@@ -2,7 +2,7 @@
 
 use super::load::{Reached, march};
 use super::{Assembly, ContactPoint, PressError, PressureError, Setup, contact_points, error_estimate};
-use crate::mechanics::newton::Solver;
+use crate::mechanics::newton::{Method, Solver};
 use crate::mechanics::problem::State;
 use std::time::Instant;
 
@@ -88,7 +88,7 @@ pub fn press(
 pub(super) fn press_once(setup: &Setup, observe: &mut dyn FnMut(f64) -> bool) -> Result<Pressed, PressError> {
     let start = Instant::now();
     let assembly = Assembly::new(setup)?;
-    let mut solver = Solver::new(&assembly.problem);
+    let mut solver = Solver::new(&assembly.problem, Method::Direct);
     let mut steps = Vec::new();
     let outcome = march(&mut solver, setup, observe, &mut |reached| steps.push(step(setup, &assembly, reached)));
     let (iterations, factor_mib) = (solver.iterations, solver.factor_bytes() as f64 / f64::from(1 << 20));

@@ -4,7 +4,7 @@ use crate::mechanics::contact::Grip;
 use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::Material;
-use crate::mechanics::mesh::{Footprint, PhantomMesh, rim_size_mm};
+use crate::mechanics::mesh::{Footprint, PhantomMesh};
 
 /// Description of a press.
 #[derive(Debug, Clone)]
@@ -76,8 +76,7 @@ impl Setup {
         if let SensorBody::Layers { edge_radius_mm, .. } = &self.sensor
             && *edge_radius_mm > 0.0
         {
-            let size = &mut body.resolution.edge_mm;
-            *size = size.min(rim_size_mm(*edge_radius_mm));
+            body.resolution = body.resolution.with_rim(*edge_radius_mm);
         }
         body
     }

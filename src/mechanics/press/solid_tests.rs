@@ -16,6 +16,7 @@ const COARSE: Resolution = Resolution {
     contact_mm: 4.0,
     coarsest_mm: 9.0,
     growth: 1.0,
+    rim_mm: 0.0,
     inclusion_divisions: 1.0,
     subdivision: 1,
 };

@@ -33,6 +33,7 @@ const RESOLUTION: Resolution = Resolution {
     contact_mm: 0.8,
     coarsest_mm: 5.0,
     growth: 0.5,
+    rim_mm: 0.0,
     inclusion_divisions: 4.0,
     subdivision: 2,
 };

@@ -11,6 +11,7 @@ const COARSE: Resolution = Resolution {
     contact_mm: 1.4,
     coarsest_mm: 8.0,
     growth: 0.6,
+    rim_mm: 0.0,
     inclusion_divisions: 3.0,
     subdivision: 1,
 };

@@ -1,0 +1,122 @@
+//! How often does a press of a phantom that nobody chose come to its end, and how long does it take?
+//!
+//!     cargo run --release --example any_phantom -- [--phantoms 500] [--dimensions 2] [--edge-mm R] [--seed 1]
+//!
+//! Draws phantoms about `phantom-size-8mm`: a sphere of 4 to 14 mm and 20 to 150 kPa (log-uniform), its top 2 to 11 mm
+//! deep as far as it fits, in 3 to 10 kPa, pressed from 0.5 mm to 0.5 to 5 mm in three loads, each with and without its
+//! inclusion. Prints a row for each failure, then counts and times.
+
+use anyhow::{Context as _, Result};
+use clap::Parser;
+use std::time::Instant;
+use tirtouch::camera::noise::PixelRandom;
+use tirtouch::mechanics::from_scene::press_setup;
+use tirtouch::mechanics::press::{PressError, PressSettings, press};
+use tirtouch::scene::{Elastic, InclusionBody, LoadedScene, preset};
+
+#[derive(Parser)]
+struct Arguments {
+    /// Phantoms.
+    #[arg(long, default_value_t = 500)]
+    phantoms: u32,
+    /// First of them.
+    #[arg(long, default_value_t = 0)]
+    first: u32,
+    /// Seed of the draws.
+    #[arg(long, default_value_t = 1)]
+    seed: u32,
+    /// Radius of the sensor's rim, mm; the scene's own if not given.
+    #[arg(long)]
+    edge_mm: Option<f64>,
+    /// Force of every phantom on standard output.
+    #[arg(long)]
+    all: bool,
+}
+
+/// Numbers of a phantom.
+struct Drawn {
+    diameter_mm: f64,
+    top_mm: f64,
+    lump_kpa: f64,
+    body_kpa: f64,
+    depths_mm: Vec<f64>,
+}
+
+impl Drawn {
+    fn new(seed: u32, number: u32) -> Self {
+        let mut random = PixelRandom::new(seed, number);
+        let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
+        let diameter_mm = between(4.0, 14.0);
+        // The phantom is 25 mm high; a tenth of the radius stays free above the lump.
+        let deepest = (25.0 - 1.05 * diameter_mm).min(11.0);
+        let top_mm = between(2.0, deepest);
+        let lump_kpa = between(20f64.ln(), 150f64.ln()).exp();
+        let body_kpa = between(3f64.ln(), 10f64.ln()).exp();
+        let last = between(0.5, 5.0);
+        let mut depths_mm = vec![0.5, 0.5 * (0.5 + last), last];
+        depths_mm.dedup_by(|a, b| *a - *b < 1e-3);
+        Self { diameter_mm, top_mm, lump_kpa, body_kpa, depths_mm }
+    }
+
+    fn scene(&self, edge_mm: Option<f64>) -> Result<LoadedScene> {
+        let mut loaded = preset("phantom-size-8mm").context("the preset is missing")?;
+        let elastic = |youngs_kpa: f64| Elastic::NeoHookean { youngs_kpa, poisson: 0.4999, relaxation: Vec::new() };
+        let phantom = loaded.scene.phantom.as_mut().context("a phantom")?;
+        phantom.material = elastic(self.body_kpa);
+        let lump = phantom.inclusion.first_mut().context("an inclusion")?;
+        lump.shape = InclusionBody::Sphere { diameter_mm: self.diameter_mm };
+        (lump.depth_mm, lump.material) = (self.top_mm, elastic(self.lump_kpa));
+        let press = loaded.scene.press.as_mut().context("a press")?;
+        press.depths_mm = Some(self.depths_mm.clone());
+        press.edge_radius_mm = edge_mm.or(press.edge_radius_mm);
+        Ok(loaded)
+    }
+
+    fn words(&self) -> String {
+        let Self { diameter_mm, top_mm, lump_kpa, body_kpa, depths_mm } = self;
+        format!(
+            "{diameter_mm:.3} mm of {lump_kpa:.2} kPa, {top_mm:.3} mm deep in {body_kpa:.3} kPa, to {depths_mm:.3?}"
+        )
+    }
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    let (mut failed, mut seconds) = (0, Vec::new());
+    for number in arguments.first..arguments.first + arguments.phantoms {
+        let drawn = Drawn::new(arguments.seed, number);
+        let setup = press_setup(&drawn.scene(arguments.edge_mm)?)?;
+        for (which, setup) in [("phantom", setup.clone()), ("baseline", setup.without_inclusions())] {
+            let start = Instant::now();
+            let outcome = press(&setup, PressSettings { estimate_error: false }, &mut |_| true);
+            let took = start.elapsed().as_secs_f64();
+            seconds.push(took);
+            match outcome {
+                Ok(pressed) if arguments.all => {
+                    let forces: Vec<f64> = pressed.steps.iter().map(|step| step.force_n).collect();
+                    println!("{number} {which} {took:.2} s, {} iterations, {forces:.6?} N", pressed.iterations);
+                }
+                Ok(_) => {}
+                Err(PressError::Stopped { cause, reached }) => {
+                    failed += 1;
+                    let reached = reached.steps.len();
+                    println!("{number} {which} {took:.2} s, {} loads: {}: {cause}", reached, drawn.words());
+                }
+                Err(error) => {
+                    failed += 1;
+                    println!("{number} {which}: {}: {error}", drawn.words());
+                }
+            }
+        }
+    }
+    seconds.sort_by(f64::total_cmp);
+    let at = |share: f64| seconds.get((share * (seconds.len() - 1) as f64) as usize).copied().unwrap_or(f64::NAN);
+    println!(
+        "{failed} of {} presses failed; median {:.2} s, 95 % {:.2} s, most {:.2} s",
+        seconds.len(),
+        at(0.5),
+        at(0.95),
+        at(1.0)
+    );
+    Ok(())
+}

@@ -1,0 +1,149 @@
+//! Symmetric matrices of 3 x 3 blocks by pairs of nodes, in single precision: what a preconditioner needs.
+
+use rayon::prelude::*;
+
+/// Entries of a block, row by row.
+pub type Block = [f32; 9];
+
+/// Rows that a thread takes at a time.
+const ROWS: usize = 256;
+
+/// A matrix of blocks, all of its rows whole. Held components have rows and columns of 0 and a diagonal of 1.
+#[derive(Debug, Clone)]
+pub struct BlockMatrix {
+    start: Vec<u32>,
+    column: Vec<u32>,
+    /// Blocks, row by row.
+    values: Vec<Block>,
+}
+
+impl BlockMatrix {
+    /// A matrix of zeros that couples the nodes of each group, and each node with itself.
+    pub fn new<'a>(count: usize, groups: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
+        let mut held_by: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for (g, group) in groups.clone().enumerate() {
+            group.iter().for_each(|&a| held_by[a as usize].push(g as u32));
+        }
+        let groups: Vec<&[u32]> = groups.collect();
+        let (mut start, mut column) = (vec![0u32], Vec::new());
+        let mut seen = vec![u32::MAX; count];
+        for (a, holders) in held_by.iter().enumerate() {
+            let from = column.len();
+            seen[a] = a as u32;
+            column.push(a as u32);
+            for &b in holders.iter().flat_map(|&g| groups[g as usize]) {
+                if std::mem::replace(&mut seen[b as usize], a as u32) != a as u32 {
+                    column.push(b);
+                }
+            }
+            column[from..].sort_unstable();
+            start.push(column.len() as u32);
+        }
+        let values = vec![[0.0; 9]; column.len()];
+        Self { start, column, values }
+    }
+
+    /// Nodes.
+    pub fn nodes(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// Blocks of the pattern.
+    pub fn blocks(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Sets all entries to 0.
+    pub fn clear(&mut self) {
+        self.values.par_iter_mut().for_each(|block| *block = [0.0; 9]);
+    }
+
+    /// Adds to the block of a pair of nodes, if the pattern has it.
+    pub fn add(&mut self, row: u32, column: u32, block: &Block) {
+        if let Some(place) = self.position(row, column) {
+            self.values[place].iter_mut().zip(block).for_each(|(sum, value)| *sum += value);
+        }
+    }
+
+    fn position(&self, row: u32, column: u32) -> Option<usize> {
+        let range = self.range(row as usize);
+        self.column[range.clone()].binary_search(&column).ok().map(|k| range.start + k)
+    }
+
+    fn range(&self, row: usize) -> std::ops::Range<usize> {
+        self.start[row] as usize..self.start[row + 1] as usize
+    }
+
+    /// Columns and blocks of a row.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = (u32, &Block)> {
+        let range = self.range(row);
+        self.column[range.clone()].iter().copied().zip(&self.values[range])
+    }
+
+    /// The diagonal block of a row.
+    pub fn diagonal(&self, row: usize) -> Block {
+        self.position(row as u32, row as u32).map_or([0.0; 9], |place| self.values[place])
+    }
+
+    /// Gives components that no stiffness holds a diagonal of 1.
+    pub fn fix(&mut self) {
+        for row in 0..self.nodes() {
+            let Some(place) = self.position(row as u32, row as u32) else { continue };
+            let block = &mut self.values[place];
+            for c in 0..3 {
+                if block[4 * c] == 0.0 {
+                    block[4 * c] = 1.0;
+                }
+            }
+        }
+    }
+
+    /// out = A x.
+    pub fn multiply(&self, x: &[f32], out: &mut [f32]) {
+        out.par_chunks_mut(3 * ROWS).enumerate().for_each(|(chunk, out)| {
+            for (k, out) in out.chunks_exact_mut(3).enumerate() {
+                let mut sum = [0.0f32; 3];
+                for (column, b) in self.row(chunk * ROWS + k) {
+                    let x = &x[3 * column as usize..3 * column as usize + 3];
+                    sum[0] += b[0] * x[0] + b[1] * x[1] + b[2] * x[2];
+                    sum[1] += b[3] * x[0] + b[4] * x[1] + b[5] * x[2];
+                    sum[2] += b[6] * x[0] + b[7] * x[1] + b[8] * x[2];
+                }
+                out.copy_from_slice(&sum);
+            }
+        });
+    }
+
+    /// out = A x in double precision.
+    pub fn multiply_f64(&self, x: &[f64], out: &mut [f64]) {
+        out.par_chunks_mut(3 * ROWS).enumerate().for_each(|(chunk, out)| {
+            for (k, out) in out.chunks_exact_mut(3).enumerate() {
+                let mut sum = [0.0f64; 3];
+                for (column, b) in self.row(chunk * ROWS + k) {
+                    let x = &x[3 * column as usize..3 * column as usize + 3];
+                    for i in 0..3 {
+                        sum[i] += f64::from(b[3 * i]) * x[0]
+                            + f64::from(b[3 * i + 1]) * x[1]
+                            + f64::from(b[3 * i + 2]) * x[2];
+                    }
+                }
+                out.copy_from_slice(&sum);
+            }
+        });
+    }
+}
+
+/// The inverse of a block; of one that has none, 0.
+pub fn inverse(b: &Block) -> Block {
+    let m = b.map(f64::from);
+    let minor = |i: usize, j: usize| {
+        let (r, s) = ((i + 1) % 3, (i + 2) % 3);
+        let (c, d) = ((j + 1) % 3, (j + 2) % 3);
+        m[3 * r + c] * m[3 * s + d] - m[3 * r + d] * m[3 * s + c]
+    };
+    let determinant: f64 = (0..3).map(|j| m[j] * minor(0, j)).sum();
+    if determinant == 0.0 {
+        return [0.0; 9];
+    }
+    std::array::from_fn(|k| (minor(k % 3, k / 3) / determinant) as f32)
+}
