@@ -1,6 +1,6 @@
 //! How often does a press of a phantom that nobody chose come to its end, and how long does it take?
 //!
-//!     cargo run --release --example any_phantom -- [--phantoms 500] [--dimensions 2] [--edge-mm R] [--seed 1]
+//!     cargo run --release --example any_phantom -- [--phantoms 500] [--edge-mm R] [--seed 1] [--all]
 //!
 //! Draws phantoms about `phantom-size-8mm`: a sphere of 4 to 14 mm and 20 to 150 kPa (log-uniform), its top 2 to 11 mm
 //! deep as far as it fits, in 3 to 10 kPa, pressed from 0.5 mm to 0.5 to 5 mm in three loads, each with and without its
