@@ -1,6 +1,7 @@
 //! Symmetric matrices of 3 x 3 blocks by pairs of nodes, in single precision: what a preconditioner needs.
 
 use rayon::prelude::*;
+use std::ops::{Add, Mul};
 
 /// Entries of a block, row by row.
 pub type Block = [f32; 9];
@@ -98,34 +99,20 @@ impl BlockMatrix {
         }
     }
 
-    /// out = A x.
-    pub fn multiply(&self, x: &[f32], out: &mut [f32]) {
+    /// out = A x, in the precision of x.
+    pub fn multiply<T>(&self, x: &[T], out: &mut [T])
+    where
+        T: From<f32> + Copy + Send + Sync + Add<Output = T> + Mul<Output = T>,
+    {
         out.par_chunks_mut(3 * ROWS).enumerate().for_each(|(chunk, out)| {
             for (k, out) in out.chunks_exact_mut(3).enumerate() {
-                let mut sum = [0.0f32; 3];
-                for (column, b) in self.row(chunk * ROWS + k) {
+                let mut sum = [T::from(0.0); 3];
+                for (column, block) in self.row(chunk * ROWS + k) {
                     let x = &x[3 * column as usize..3 * column as usize + 3];
-                    sum[0] += b[0] * x[0] + b[1] * x[1] + b[2] * x[2];
-                    sum[1] += b[3] * x[0] + b[4] * x[1] + b[5] * x[2];
-                    sum[2] += b[6] * x[0] + b[7] * x[1] + b[8] * x[2];
-                }
-                out.copy_from_slice(&sum);
-            }
-        });
-    }
-
-    /// out = A x in double precision.
-    pub fn multiply_f64(&self, x: &[f64], out: &mut [f64]) {
-        out.par_chunks_mut(3 * ROWS).enumerate().for_each(|(chunk, out)| {
-            for (k, out) in out.chunks_exact_mut(3).enumerate() {
-                let mut sum = [0.0f64; 3];
-                for (column, b) in self.row(chunk * ROWS + k) {
-                    let x = &x[3 * column as usize..3 * column as usize + 3];
-                    for i in 0..3 {
-                        sum[i] += f64::from(b[3 * i]) * x[0]
-                            + f64::from(b[3 * i + 1]) * x[1]
-                            + f64::from(b[3 * i + 2]) * x[2];
-                    }
+                    let b = block.map(T::from);
+                    sum[0] = sum[0] + b[0] * x[0] + b[1] * x[1] + b[2] * x[2];
+                    sum[1] = sum[1] + b[3] * x[0] + b[4] * x[1] + b[5] * x[2];
+                    sum[2] = sum[2] + b[6] * x[0] + b[7] * x[1] + b[8] * x[2];
                 }
                 out.copy_from_slice(&sum);
             }

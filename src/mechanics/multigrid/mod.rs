@@ -198,7 +198,7 @@ impl Multigrid {
 
     /// out = A x; held components are 0.
     pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
-        self.fine.multiply_f64(x, out);
+        self.fine.multiply(x, out);
     }
 
     /// An approximate solution of A x = b: one cycle.

@@ -134,7 +134,7 @@ impl Balance {
 }
 
 impl<'a> Solver<'a> {
-    /// Numbers the unknowns of a problem.
+    /// Numbers the unknowns of a problem. In two dimensions all is factorised.
     pub fn new(problem: &'a Problem, method: Method) -> Self {
         let dim = problem.kinematics.dim();
         let mut prescribed = vec![0.0; problem.mesh.nodes.len() * dim];
@@ -151,7 +151,7 @@ impl<'a> Solver<'a> {
             problem,
             equation,
             prescribed,
-            method,
+            method: if dim == 3 { method } else { Method::Direct },
             tangent: None,
             tangent_bulk_kpa: tangent_bulk_kpa(&problem.materials),
             floor: floor(problem),
