@@ -17,7 +17,9 @@ fn assembly(poisson: f64, contrast: f64, interface: Interface) -> Assembly {
     let press = loaded.scene.press.as_mut().unwrap();
     (press.dimensions, press.resolution, press.interface) = (Dimensions::Three, 0.3, interface);
     press.edge_radius_mm = Some(0.0);
-    Assembly::new(&press_setup(&loaded).unwrap()).unwrap()
+    let mut setup = press_setup(&loaded).unwrap();
+    setup.phantom.resolution.inclusion_divisions = 2.0;
+    Assembly::new(&setup).unwrap()
 }
 
 /// The state at half a millimetre, its force, and the cycles of an iteration.
@@ -33,9 +35,7 @@ fn pressed(assembly: &Assembly, method: Method) -> (State, f64, f64) {
 fn multigrid_finds_what_a_factorisation_finds() {
     let tied = Interface::Tied;
     let slides = Interface::Frictionless;
-    for (poisson, contrast, interface) in
-        [(0.4999, 24.0, tied), (0.5, 1e3, tied), (0.4, 1e-3, tied), (0.4999, 24.0, slides)]
-    {
+    for (poisson, contrast, interface) in [(0.5, 1e3, tied), (0.4, 1e-3, tied), (0.4999, 24.0, slides)] {
         let assembly = assembly(poisson, contrast, interface);
         let [direct, multigrid] = [Method::Direct, Method::Multigrid].map(|method| pressed(&assembly, method));
         let size = direct.0.displacement.iter().flatten().fold(0.0, |m: f64, u| m.max(u.abs()));

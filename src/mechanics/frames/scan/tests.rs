@@ -48,7 +48,7 @@ fn apart(a: &[Frame], b: &[Frame]) -> f64 {
 
 #[test]
 fn one_factorisation_gives_the_frames_of_the_whole_system() {
-    let setup = coarse(&scene(-10.0, 15.0, 3));
+    let setup = coarse(&scene(-10.0, 2.5, 2));
     let fast = run(&setup);
     // Coulomb friction without friction is the same contact, solved whole.
     let whole = run(&ScanSetup { grip: Grip::Coulomb(0.0), ..setup.clone() });
