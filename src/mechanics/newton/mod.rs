@@ -13,7 +13,7 @@ use super::solid::{ElementSystem, advance_history, element_system, tangent_bulk_
 use super::sparse::SparseError;
 use damping::Damping;
 use rayon::prelude::*;
-use system::{Tangent, floor, own_stiffness};
+use system::{Forces, Tangent, floor, own_stiffness};
 use thiserror::Error;
 use touch::{Hold, Touching, touch};
 
@@ -248,9 +248,10 @@ impl<'a> Solver<'a> {
         let mut first_force = f64::INFINITY;
         let (mut best, mut stale) = (f64::INFINITY, 0);
         let mut held: Vec<Hold> = Vec::new();
+        let mut forces = self.forces(&state).ok_or(StepError::InsideOut)?;
         for iteration in 0..iterations {
             let touches = self.touches(&state, &before);
-            let (systems, mut balance) = self.evaluate(&state, &touches)?;
+            let mut balance = self.balance(&state, forces, &touches);
             // What was balanced while nodes did something else is no measure of progress.
             let holds: Vec<Hold> = touches.iter().flat_map(|t| t.nodes.iter().map(|touch| touch.hold)).collect();
             let same = held.is_empty() || held == holds;
@@ -277,10 +278,11 @@ impl<'a> Solver<'a> {
             } else {
                 break;
             }
+            let systems = self.assemble(&state, &touches)?;
             self.damping.renew(balance.force, same);
             self.iterations += 1;
             let change = self.solve(&state, &systems, &touches)?;
-            state = self.advance(&state, &change)?;
+            (state, forces) = self.advance(&state, &change)?;
         }
         Err(StepError::Diverged {
             iterations: self.iterations - first,
@@ -349,13 +351,12 @@ impl<'a> Solver<'a> {
     }
 
     /// Moves a state along Newton's step, as far as no element turns inside out.
-    fn advance(&self, state: &State, change: &Change) -> Result<State, StepError> {
+    fn advance(&self, state: &State, change: &Change) -> Result<(State, Forces), StepError> {
         let mut share = 1.0;
         for _ in 0..HALVINGS {
             let next = self.moved(state, change, share);
-            let sound = (0..next.history.len()).into_par_iter().all(|e| self.element(e, &next, None).is_some());
-            if sound {
-                return Ok(next);
+            if let Some(forces) = self.forces(&next) {
+                return Ok((next, forces));
             }
             share *= 0.5;
         }

@@ -23,6 +23,15 @@ pub(super) enum Tangent {
     Multigrid(Box<Multigrid>),
 }
 
+/// Sums over the elements.
+pub(super) struct Forces {
+    residual: Vec<f64>,
+    /// Of the magnitudes: what the residual is to be small against.
+    size: Vec<f64>,
+    /// Largest volume defect.
+    volume: f64,
+}
+
 impl Tangent {
     fn clear(&mut self) {
         match self {
@@ -48,50 +57,30 @@ impl Tangent {
 }
 
 impl Solver<'_> {
-    /// All elements with their tangents, and how far the state is from balance.
-    pub(super) fn evaluate(
-        &mut self,
-        state: &State,
-        touches: &[Touching],
-    ) -> Result<(Vec<ElementSystem>, Balance), StepError> {
-        self.prepare(touches)?;
+    /// What the elements push with; `None` where one is inside out.
+    pub(super) fn forces(&self, state: &State) -> Option<Forces> {
         let problem = self.problem;
-        let dim = problem.kinematics.dim();
-        let mut systems = Vec::with_capacity(problem.mesh.element_count());
-        let mut residual = vec![0.0; self.prescribed.len()];
-        let mut size = self.floor.clone();
-        let mut volume: f64 = 0.0;
-        let mut tangent = self.tangent.take().ok_or(SparseError::TooLarge)?;
-        tangent.clear();
+        let mut found = Forces { residual: vec![0.0; self.prescribed.len()], size: self.floor.clone(), volume: 0.0 };
         let elements: Vec<usize> = (0..problem.mesh.element_count()).collect();
         for chunk in elements.chunks(CHUNK) {
-            let chunk_systems: Option<Vec<ElementSystem>> =
-                chunk.par_iter().map(|&e| self.element(e, state, Some(self.bulk_kpa(e)))).collect();
-            let Some(chunk_systems) = chunk_systems else {
-                self.tangent = Some(tangent);
-                return Err(StepError::InsideOut);
-            };
-            for (&e, mut system) in chunk.iter().zip(chunk_systems) {
-                let unknowns = unknowns(problem.mesh.element(e), dim);
-                for (&k, f) in unknowns.iter().zip(&system.force) {
-                    residual[k] += f;
-                    size[k] += f.abs();
+            let systems: Option<Vec<ElementSystem>> = chunk.par_iter().map(|&e| self.element(e, state, None)).collect();
+            for (&e, system) in chunk.iter().zip(systems?) {
+                for (k, f) in unknowns(problem.mesh.element(e), problem.kinematics.dim()).into_iter().zip(system.force)
+                {
+                    found.residual[k] += f;
+                    found.size[k] += f.abs();
                 }
-                volume = volume.max(system.volume_defect);
-                self.add_element(&mut tangent, problem.mesh.element(e), &unknowns, &system.stiffness);
-                system.stiffness = held_columns(&unknowns, &self.equation, &system.stiffness);
-                systems.push(system);
+                found.volume = found.volume.max(system.volume_defect);
             }
         }
-        self.add_contacts(&mut tangent, touches);
-        if self.damping.share > 0.0 {
-            for (node, stiffness) in self.own_stiffness.chunks(dim).enumerate() {
-                let mut block = [0.0; 9];
-                (0..dim).for_each(|c| block[4 * c] = self.damping.share * stiffness[c]);
-                self.add_pair(&mut tangent, node as u32, node as u32, &block);
-            }
-        }
-        self.tangent = Some(tangent);
+        Some(found)
+    }
+
+    /// How far a state is from balance.
+    pub(super) fn balance(&self, state: &State, forces: Forces, touches: &[Touching]) -> Balance {
+        let problem = self.problem;
+        let dim = problem.kinematics.dim();
+        let Forces { mut residual, mut size, volume } = forces;
         for &(node, force) in &problem.forces {
             for c in 0..dim {
                 residual[node as usize * dim + c] -= state.load * force[c];
@@ -121,7 +110,42 @@ impl Solver<'_> {
             }
         }
         let force = if squares[0] == 0.0 { 0.0 } else { (squares[0] / squares[1]).sqrt() };
-        Ok((systems, Balance { force, volume, gap, settled }))
+        Balance { force, volume, gap, settled }
+    }
+
+    /// The tangent, and all elements with theirs.
+    pub(super) fn assemble(&mut self, state: &State, touches: &[Touching]) -> Result<Vec<ElementSystem>, StepError> {
+        self.prepare(touches)?;
+        let problem = self.problem;
+        let dim = problem.kinematics.dim();
+        let mut systems = Vec::with_capacity(problem.mesh.element_count());
+        let mut tangent = self.tangent.take().ok_or(SparseError::TooLarge)?;
+        tangent.clear();
+        let elements: Vec<usize> = (0..problem.mesh.element_count()).collect();
+        for chunk in elements.chunks(CHUNK) {
+            let chunk_systems: Option<Vec<ElementSystem>> =
+                chunk.par_iter().map(|&e| self.element(e, state, Some(self.bulk_kpa(e)))).collect();
+            let Some(chunk_systems) = chunk_systems else {
+                self.tangent = Some(tangent);
+                return Err(StepError::InsideOut);
+            };
+            for (&e, mut system) in chunk.iter().zip(chunk_systems) {
+                let unknowns = unknowns(problem.mesh.element(e), dim);
+                self.add_element(&mut tangent, problem.mesh.element(e), &unknowns, &system.stiffness);
+                system.stiffness = held_columns(&unknowns, &self.equation, &system.stiffness);
+                systems.push(system);
+            }
+        }
+        self.add_contacts(&mut tangent, touches);
+        if self.damping.share > 0.0 {
+            for (node, stiffness) in self.own_stiffness.chunks(dim).enumerate() {
+                let mut block = [0.0; 9];
+                (0..dim).for_each(|c| block[4 * c] = self.damping.share * stiffness[c]);
+                self.add_pair(&mut tangent, node as u32, node as u32, &block);
+            }
+        }
+        self.tangent = Some(tangent);
+        Ok(systems)
     }
 
     /// Bulk modulus that an element has in the tangent, kPa.
