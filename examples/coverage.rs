@@ -77,7 +77,7 @@ impl Bench {
             Some(_) => {
                 let setup = press_setup(&loaded)?;
                 let setup = if inclusions { setup } else { setup.without_inclusions() };
-                let pressed = press(&setup, PressSettings { estimate_error: false }, &mut |_| true)?;
+                let pressed = press(&setup, PressSettings::default(), &mut |_| true)?;
                 let step = pressed.steps.last().context("no depth was reached")?;
                 (pressed_surface(&loaded, &pressed, step)?, pressed_contact(&loaded, &pressed, step))
             }

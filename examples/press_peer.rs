@@ -125,7 +125,7 @@ fn tied_setup(law: LawName, depth_mm: f64, resolution: Resolution, nu: f64) -> R
 }
 
 fn tied(setup: &Setup, estimate: bool) -> Result<(Mesh, Value)> {
-    let pressed = press(setup, PressSettings { estimate_error: estimate }, &mut |_| true)?;
+    let pressed = press(setup, PressSettings { estimate_error: estimate, ..PressSettings::default() }, &mut |_| true)?;
     let step = pressed.steps.last().context("no depth was reached")?;
     let Assembly { problem, .. } = pressed.assembly;
     let figures = json!({

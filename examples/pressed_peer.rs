@@ -24,7 +24,7 @@ fn main() -> Result<()> {
     let points = || numbers.chunks_exact(2).map(|point| [point[0], point[1]]);
 
     let loaded = load(&scene)?;
-    let settings = PressSettings { estimate_error: false };
+    let settings = PressSettings::default();
     let pressed = press(&press_setup(&loaded)?, settings, &mut |_| true)?;
     let step = pressed.steps.last().context("no depth was reached")?;
     let surface = pressed_surface(&loaded, &pressed, step)?;

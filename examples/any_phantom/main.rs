@@ -88,7 +88,7 @@ fn main() -> Result<()> {
         let setup = press_setup(&drawn.scene(arguments.edge_mm)?)?;
         for (which, setup) in [("phantom", setup.clone()), ("baseline", setup.without_inclusions())] {
             let start = Instant::now();
-            let outcome = press(&setup, PressSettings { estimate_error: false }, &mut |_| true);
+            let outcome = press(&setup, PressSettings::default(), &mut |_| true);
             let took = start.elapsed().as_secs_f64();
             seconds.push(took);
             match outcome {

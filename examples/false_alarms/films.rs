@@ -43,7 +43,7 @@ impl Case {
 }
 
 fn pressed(loaded: &LoadedScene) -> Result<Model<f64>> {
-    let pressed = press(&press_setup(loaded)?, PressSettings { estimate_error: false }, &mut |_| true)?;
+    let pressed = press(&press_setup(loaded)?, PressSettings::default(), &mut |_| true)?;
     let step = pressed.steps.last().context("no depth was reached")?;
     Ok(Model::new(loaded, &pressed_surface(loaded, &pressed, step)?, pressed_contact(loaded, &pressed, step))?)
 }

@@ -1,9 +1,25 @@
-//! What drivers read from the environment when they are loaded.
+//! What is read from the environment: a limit of memory by this program, and more by drivers when they are loaded.
 //!
 //! Only a program that starts again can change it without unsafe code: another thread could be reading it. `exec`
 //! replaces the program within its process, so that who started it sees one process, its signals and its exit code. It
 //! is done first of all, and once: the new environment asks for nothing more. Where it fails, the program goes on as it
 //! was started.
+
+use super::Failure;
+use crate::mechanics::memory::{VARIABLE, parsed};
+
+/// Whether this program's own variables make sense.
+///
+/// # Errors
+/// When one does not.
+pub(super) fn check() -> Result<(), Failure> {
+    match std::env::var_os(VARIABLE) {
+        Some(value) if value.to_str().and_then(parsed).is_none() => {
+            Err(Failure::usage(format!("{VARIABLE}={}: give a number of GiB above 0", value.to_string_lossy())))
+        }
+        _ => Ok(()),
+    }
+}
 
 /// Starts the program again where its drivers would do worse in this environment; comes back where not.
 #[cfg(target_os = "linux")]

@@ -2,8 +2,11 @@
 
 use super::facts::{columns, figure};
 use super::job::Job;
+use super::pressing::{method_name, press_cost};
 use super::regimes::regimes;
 use super::{Failure, Outcome, Progress, Talk, cancel, print};
+use crate::mechanics::memory::limit_gib;
+use crate::mechanics::press::Cost;
 use crate::optics::{acceptance_deg, critical_deg};
 use crate::streams::{Role, Streams};
 use crate::surface::Surface;
@@ -67,8 +70,9 @@ impl Inspect {
                 Device { backend: None, adapter: "none that can do it".into(), notice: Some(error.to_string()) }
             }
         };
+        let press = press_cost(&job.loaded, &self.scene)?;
         let gains = if self.gains { Some(self.measure(&job)?) } else { None };
-        let seen = Seen { layers: layers(&job), job: &job, kernel, plan, device, gains };
+        let seen = Seen { layers: layers(&job), job: &job, kernel, plan, device, press, gains };
         match self.talk.json {
             true => print(&seen.json()?.to_string())?,
             false => print(&seen.text()?)?,
@@ -143,6 +147,7 @@ struct Seen<'a> {
     kernel: Kernel,
     plan: Plan,
     device: Device,
+    press: Option<Cost>,
     gains: Option<Vec<Gain>>,
 }
 
@@ -193,6 +198,14 @@ impl Seen<'_> {
             "kernel": {"included": self.pieces(true), "left_out": self.pieces(false)},
             "camera": {"pixels": scene.camera.pixels, "mm_per_pixel": self.job.view()?.mm_per_pixel()},
             "memory": {"device_bytes": device, "program_bytes": program},
+            "press": self.press.map(|cost| json!({
+                "elements": cost.elements,
+                "dofs": cost.unknowns,
+                "method": method_name(cost.method),
+                "memory_gib": cost.memory_gib,
+                "memory_limit_gib": limit_gib(),
+                "seconds": cost.seconds,
+            })),
             "backend": self.device.backend,
             "adapter": self.device.adapter,
             "notice": self.device.notice,
@@ -254,8 +267,21 @@ impl Seen<'_> {
                 ),
             ),
             row("memory", format!("about {device} MiB on the device, {program} MiB in the program")),
-            row("adapter", self.device.adapter.clone()),
         ];
+        rows.extend(self.press.map(|cost| {
+            let fits = if cost.memory_gib <= limit_gib() { "of" } else { "MORE THAN" };
+            let what = format!(
+                "{} elements, {} unknowns by {}: at most {} GiB, {fits} {} that may be had; about {} s, to a factor of 3",
+                cost.elements,
+                cost.unknowns,
+                method_name(cost.method),
+                figure(cost.memory_gib),
+                figure(limit_gib()),
+                figure(cost.seconds)
+            );
+            row("press", what)
+        }));
+        rows.push(row("adapter", self.device.adapter.clone()));
         rows.extend(self.device.notice.iter().map(|notice| row("notice", notice.clone())));
         let _ = write!(text, "\n{}", columns(&rows));
         text.extend(self.gains.as_deref().map(Self::gains_text));

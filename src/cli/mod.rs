@@ -100,6 +100,7 @@ pub fn main() -> ExitCode {
         usage::Parsed::Text(text) => print(&text).map(|()| Outcome::Done),
         usage::Parsed::CommandLine(line) => {
             cancel::install(json)?;
+            environment::check()?;
             line.command.run()
         }
     });

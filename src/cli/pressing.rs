@@ -4,8 +4,9 @@ use super::facts::figure;
 use super::{Failure, Progress, cancel};
 use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::kinematics::Kinematics;
+use crate::mechanics::newton::Method;
 use crate::mechanics::path::PathError;
-use crate::mechanics::press::{PressError, PressSettings, PressStep, Pressed, Setup, press};
+use crate::mechanics::press::{Cost, PressError, PressSettings, PressStep, Pressed, Setup, press};
 use crate::scene::LoadedScene;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -29,9 +30,9 @@ pub(super) fn press_scene(loaded: &LoadedScene, file: &Path, wanted: Wanted) -> 
     let mistake = |error: &PressError| Failure::input(format!("{}: {error}", file.display())).in_file(file);
     let setup = press_setup(loaded).map_err(|error| PressFailure::whole(mistake(&error)))?;
     let setup = if wanted.without_inclusions { setup.without_inclusions() } else { setup };
-    let setup = if wanted.coarse { setup.halved() } else { setup };
+    let setup = if wanted.coarse { sketch(&setup) } else { setup };
     let asked = loaded.scene.press.as_ref().is_some_and(|press| press.estimate_error);
-    let settings = PressSettings { estimate_error: asked && !wanted.coarse };
+    let settings = PressSettings { estimate_error: asked && !wanted.coarse, ..PressSettings::default() };
     let progress = Progress::new(wanted.quiet);
     let pressed = press(&setup, settings, &mut |stage| {
         progress.observe(stage.done, stage.what);
@@ -46,6 +47,38 @@ pub(super) fn press_scene(loaded: &LoadedScene, file: &Path, wanted: Wanted) -> 
         }
         error => PressFailure::whole(mistake(&error)),
     })
+}
+
+/// The same press on elements of twice the size; in three dimensions on larger ones still, until it takes a moment.
+fn sketch(setup: &Setup) -> Setup {
+    let mut sketch = setup.halved();
+    for _ in 0..2 {
+        match Cost::of(&sketch, None) {
+            Ok(cost) if cost.unknowns > SKETCHED_UNKNOWNS => sketch = sketch.halved(),
+            _ => break,
+        }
+    }
+    sketch
+}
+
+/// Unknowns of a press that a look at a scene waits for.
+const SKETCHED_UNKNOWNS: usize = 30_000;
+
+/// What the press of a scene will take, if it has one.
+pub(super) fn press_cost(loaded: &LoadedScene, file: &Path) -> Result<Option<Cost>, Failure> {
+    let cost = match press_setup(loaded) {
+        Err(PressError::NoPress) => return Ok(None),
+        setup => setup.and_then(|setup| Cost::of(&setup, None)),
+    };
+    cost.map(Some).map_err(|error| Failure::input(format!("{}: {error}", file.display())).in_file(file))
+}
+
+/// How linear systems are solved, in words.
+pub(super) fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Direct => "factorisation",
+        Method::Multigrid => "multigrid",
+    }
 }
 
 /// A press that failed, and what it reached.
@@ -83,6 +116,7 @@ pub(super) fn press_json(pressed: &Pressed) -> Value {
     object["least_scaled_jacobian"] = json!(quality.least_scaled_jacobian);
     object["seconds"] = json!(pressed.seconds);
     object["error_seconds"] = json!(pressed.error_seconds);
+    object["method"] = json!(method_name(pressed.method));
     object["factor_mib"] = json!(pressed.factor_mib);
     object["steps"] = pressed.steps.iter().map(step_json).collect();
     object
@@ -105,12 +139,13 @@ pub(super) fn press_rows(pressed: &Pressed) -> Vec<(String, String)> {
     let mut rows = vec![row(
         "mechanics",
         format!(
-            "{}, {} unknowns, {} iterations, {} s and {} s for the error; factor {} MiB",
+            "{}, {} unknowns, {} iterations, {} s and {} s for the error; {} of {} MiB",
             setting(&pressed.setup),
             pressed.unknowns,
             pressed.iterations,
             figure(pressed.seconds),
             figure(pressed.error_seconds),
+            method_name(pressed.method),
             figure(pressed.factor_mib)
         ),
     )];

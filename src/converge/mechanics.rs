@@ -115,7 +115,7 @@ fn divided(depths: &[f64], count: usize) -> Vec<f64> {
 
 /// Presses once, without an estimate of the error. A press that stops early keeps the loads that it reached.
 pub fn run(setup: &Setup, observe: &mut dyn FnMut(PressStage) -> bool) -> Result<Found, PressError> {
-    let (pressed, stopped) = match press(setup, PressSettings { estimate_error: false }, observe) {
+    let (pressed, stopped) = match press(setup, PressSettings::default(), observe) {
         Ok(pressed) => (pressed, None),
         Err(PressError::Stopped { cause, reached }) if cause != PathError::Stopped => {
             (*reached, Some(cause.to_string()))

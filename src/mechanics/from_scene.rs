@@ -98,7 +98,7 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
             symmetry: [0, 1].map(|axis| flat || inclusions.iter().all(|shape| is_symmetric(shape, axis))),
             inclusions,
             footprint: footprint(&press.face(&scene.stack)),
-            resolution: base.scaled(1.0 / press.resolution),
+            resolution: base.finer(press.resolution),
         },
         phantom_materials: elastics.map(material).collect::<Result<Vec<_>, _>>()?,
         sensor: match press.sensor {

@@ -10,6 +10,7 @@ pub mod frames;
 pub mod from_scene;
 pub mod kinematics;
 pub mod material;
+pub mod memory;
 pub mod mesh;
 pub mod multigrid;
 pub mod newton;

@@ -29,17 +29,17 @@ fn along(direction: usize, x: [f64; 3]) -> f64 {
 /// The nodes in their order of elimination, each once. `groups` are the nodes of each element, `positions` those of all
 /// nodes.
 pub fn nested_dissection(groups: &[Vec<u32>], positions: &[[f64; 3]]) -> Vec<u32> {
-    let middle = |group: &Vec<u32>| {
+    let place = |group: &Vec<u32>| {
         let mut sum = [0.0; 3];
         for &a in group {
             (0..3).for_each(|i| sum[i] += positions[a as usize][i] / group.len() as f64);
         }
-        sum
+        std::array::from_fn(|direction| along(direction, sum))
     };
     let count = positions.len();
     let mut work = Dissection {
         groups,
-        middles: groups.iter().map(middle).collect(),
+        places: groups.iter().map(place).collect(),
         placed: vec![false; count],
         first: vec![u32::MAX; count],
         last: vec![0; count],
@@ -55,7 +55,8 @@ pub fn nested_dissection(groups: &[Vec<u32>], positions: &[[f64; 3]]) -> Vec<u32
 
 struct Dissection<'a> {
     groups: &'a [Vec<u32>],
-    middles: Vec<[f64; 3]>,
+    /// Of each element along each direction.
+    places: Vec<[f64; SPACE]>,
     /// Nodes that are in the order or in a separator that will be.
     placed: Vec<bool>,
     /// First and last of the present elements that hold a node; `u32::MAX` and 0 between uses.
@@ -100,7 +101,7 @@ impl Dissection<'_> {
     }
 
     fn sort(&self, elements: &mut [u32], direction: usize) {
-        let key = |g: &u32| along(direction, self.middles[*g as usize]);
+        let key = |g: &u32| self.places[*g as usize][direction];
         elements.sort_unstable_by(|a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
     }
 

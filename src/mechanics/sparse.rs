@@ -3,6 +3,7 @@
 //! Unknowns come by nodes, and every node couples with whole nodes: the pattern is gathered, ordered and addressed by
 //! nodes, and only spelled out by unknowns for the factorisation.
 
+use super::memory::{GIB, limit_gib};
 use super::ordering::nested_dissection;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -40,9 +41,6 @@ pub enum SparseError {
 /// Entries of the factor from which threads share its work. The dense blocks of smaller ones are not worth the
 /// handing over: 1.6 million entries (a plane press) take 18 ms with one thread and 25 with two.
 const LEAST_SHARED: usize = 5_000_000;
-
-/// Largest factor, GiB: with the matrix and the elements' tangents a machine of 16 GiB bears it.
-pub const LARGEST_FACTOR_GIB: f64 = 8.0;
 
 /// A symmetric matrix of fixed pattern, its lower triangle by columns, and its Cholesky factor.
 pub struct SparseCholesky {
@@ -270,16 +268,6 @@ impl SparseCholesky {
     pub fn factor_bytes(&self) -> usize {
         8 * self.factor.len()
     }
-}
-
-const GIB: f64 = 1073741824.0;
-
-/// The least of [`LARGEST_FACTOR_GIB`] and the memory that is free, where the system tells (Linux: MemAvailable).
-fn limit_gib() -> f64 {
-    let told = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
-    let line = told.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
-    let kib = line.and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok());
-    kib.map_or(LARGEST_FACTOR_GIB, |kib| LARGEST_FACTOR_GIB.min(kib * 1024.0 / GIB))
 }
 
 #[cfg(test)]

@@ -56,7 +56,7 @@ pub fn setup(ball: Option<Ball>, poisson: f64) -> Result<Setup, StabilityError> 
 }
 
 fn run(setup: &Setup) -> Result<Pressed, PressError> {
-    press(setup, PressSettings { estimate_error: false }, &mut |_| true)
+    press(setup, PressSettings::default(), &mut |_| true)
 }
 
 /// A press with what must hold of any.

@@ -36,7 +36,7 @@ fn variant(name: &str, change: impl FnOnce(&mut Scene)) -> Result<Model<f64>, St
 fn pressed(name: &str) -> Result<Model<f64>, StabilityError> {
     let mut loaded = preset(name)?;
     loaded.scene.camera.pixels = PIXELS;
-    let pressed = press(&press_setup(&loaded)?, PressSettings { estimate_error: false }, &mut |_| true)?;
+    let pressed = press(&press_setup(&loaded)?, PressSettings::default(), &mut |_| true)?;
     let step = pressed.steps.last().ok_or(StabilityError::Missing("no load was reached"))?;
     let surface = pressed_surface(&loaded, &pressed, step)?;
     Ok(Model::new(&loaded, &surface, pressed_contact(&loaded, &pressed, step))?)

@@ -62,3 +62,23 @@ fn a_press_of_nothing_is_refused() {
     }
     assert!(names(place.path()).is_empty(), "nothing is left behind");
 }
+
+#[test]
+fn a_press_beyond_the_memory_is_refused_with_what_would_fit() {
+    let place = Place::new();
+    place.write("scene.toml", &scene("dimensions = \"three\"").replace("resolution = 0.5", "resolution = 1.0"));
+    let limited = |gib: &str, arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tirtouch"));
+        command.args(arguments).current_dir(place.path()).env("TIRTOUCH_MEMORY_GIB", gib).output().unwrap()
+    };
+    let refused = limited("0.1", &["press", "scene.toml", "--quiet"]);
+    assert_eq!(code(&refused), 2, "{refused:?}");
+    let said = one_line(&refused);
+    assert!(said.contains("the limit is 0.1 GiB") && said.contains("press.resolution times 0."), "{said}");
+    assert!(!place.path().join("out").exists());
+    assert_eq!(code(&limited("lots", &["schema"])), 2);
+    let seen = json(&limited("2", &["inspect", "scene.toml", "--json"]));
+    assert_eq!(seen["press"]["dofs"], 80_490, "{seen}");
+    assert_eq!(seen["press"]["method"], "multigrid");
+    assert_eq!(seen["press"]["memory_limit_gib"], 2.0);
+}

@@ -64,7 +64,7 @@ fn pressed(loaded: &LoadedScene) -> Shapes {
     if let Some((_, shapes)) = presses.iter().find(|(known, _)| *known == key) {
         return shapes.clone();
     }
-    let settings = PressSettings { estimate_error: false };
+    let settings = PressSettings::default();
     let done = mechanics::press::press(&press_setup(loaded).unwrap(), settings, &mut |_| true).unwrap();
     let step = done.steps.last().unwrap();
     let shapes = (pressed_surface(loaded, &done, step).unwrap(), pressed_contact(loaded, &done, step));

@@ -16,7 +16,7 @@ fn setup(ball: Option<(f64, f64, f64)>, poisson: f64) -> Setup {
 }
 
 fn run(setup: &Setup) -> Result<Pressed, PressError> {
-    press(setup, PressSettings { estimate_error: false }, &mut |_| true)
+    press(setup, PressSettings::default(), &mut |_| true)
 }
 
 /// Force, N, of a press that is sound: no element inside out, no checkerboard.
@@ -127,7 +127,9 @@ fn no_depth_and_no_force_are_no_press() {
     for grip in [Grip::Bonded, Grip::Frictionless] {
         for load in [Load::Depths(vec![0.0]), Load::Forces(vec![0.0])] {
             let still = Setup { grip, load, ..setup(Some((8.0, 5.0, 24.0)), 0.4999) };
-            let pressed = press(&still, PressSettings { estimate_error: true }, &mut |_| true).unwrap();
+            let pressed =
+                press(&still, PressSettings { estimate_error: true, ..PressSettings::default() }, &mut |_| true)
+                    .unwrap();
             let step = &pressed.steps[0];
             assert_eq!((step.depth_mm, step.force_n, step.peak_pressure_kpa), (0.0, 0.0, 0.0), "{grip:?}");
             assert!(step.points.iter().all(|p| p.pressure_kpa == 0.0 && p.displacement_mm == [0.0; 3]), "{grip:?}");

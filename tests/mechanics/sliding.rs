@@ -93,7 +93,7 @@ fn sensor_press(kinematics: Kinematics, phantom: PhantomMesh, layer_mm: f64, dep
         seconds_per_mm: None,
         hold_s: 0.0,
     };
-    let pressed = press(&setup, PressSettings { estimate_error: false }, &mut |_| true).unwrap();
+    let pressed = press(&setup, PressSettings::default(), &mut |_| true).unwrap();
     assert!(min_jacobian(&pressed.assembly.problem, &pressed.steps[0].state).unwrap() > 0.0);
     pressed
 }
@@ -183,7 +183,7 @@ fn rimmed(grip: Grip, depths: &[f64], divisions: usize) -> Pressed {
         *edge_radius_mm = 0.5;
     }
     (setup.grip, setup.load) = (grip, Load::Depths(depths.to_vec()));
-    press(&setup, PressSettings { estimate_error: false }, &mut |_| true).map_err(|error| error.to_string()).unwrap()
+    press(&setup, PressSettings::default(), &mut |_| true).map_err(|error| error.to_string()).unwrap()
 }
 
 #[test]

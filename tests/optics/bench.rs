@@ -28,7 +28,7 @@ pub fn stack(layers: &[[f64; 2]]) -> LoadedScene {
 pub fn model(loaded: &LoadedScene) -> Model<f64> {
     let (surface, contact) = match loaded.scene.press {
         Some(_) => {
-            let settings = PressSettings { estimate_error: false };
+            let settings = PressSettings::default();
             let pressed = press(&press_setup(loaded).unwrap(), settings, &mut |_| true).unwrap();
             let last = pressed.steps.last().unwrap();
             (

@@ -153,7 +153,7 @@ impl Climb<'_> {
         }
         let setup = press_setup(self.loaded).map_err(|error| self.press_failure(error))?;
         let progress = Progress::new(self.quiet);
-        let pressed = press(&setup, PressSettings { estimate_error: false }, &mut |stage| {
+        let pressed = press(&setup, PressSettings::default(), &mut |stage| {
             progress.observe(stage.done, stage.what);
             !cancel::requested()
         });

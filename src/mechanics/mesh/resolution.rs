@@ -74,6 +74,12 @@ impl Resolution {
         Self { edge_mm, rim_mm, ..self }
     }
 
+    /// The same mesh with elements of 1 / `fineness` times the size, as near as whole numbers come.
+    pub fn finer(self, fineness: f64) -> Self {
+        let scaled = self.scaled(1.0 / fineness);
+        Self { growth: self.growth / fineness, inclusion_divisions: self.inclusion_divisions * fineness, ..scaled }
+    }
+
     /// The same mesh of a body `factor` times as large.
     pub fn scaled(self, factor: f64) -> Self {
         Self {

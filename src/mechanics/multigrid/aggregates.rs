@@ -21,10 +21,14 @@ type Motion = [f64; 3 * MODES];
 
 /// The aggregates and their factorised stiffness.
 pub struct Aggregates {
+    /// Aggregate of each node, and their number.
+    of: Vec<u32>,
+    count: usize,
+    /// Each node's share of its aggregate's rigid motions.
+    rigid: Vec<Motion>,
     /// Aggregates that move each node.
     moves: Vec<Vec<(u32, Motion)>>,
     factor: SparseCholesky,
-    count: usize,
 }
 
 impl Aggregates {
@@ -38,21 +42,37 @@ impl Aggregates {
         positions: &[[f64; 3]],
         held: &[[bool; 3]],
     ) -> Result<Self, SparseError> {
-        let (aggregate, count) = aggregates(matrix);
-        let rigid = rigid_motions(&aggregate, count, positions, held);
-        let moves = smoothed(matrix, smoother, &aggregate, &rigid, held);
-        let stiffness = product(matrix, &moves);
+        let (of, count) = aggregates(matrix);
+        let rigid = rigid_motions(&of, count, positions, held);
         let mut middles = vec![[0.0; 4]; count];
-        for (&a, x) in aggregate.iter().zip(positions) {
+        for (&a, x) in of.iter().zip(positions) {
             let sum = &mut middles[a as usize];
             (0..3).for_each(|i| sum[i] += x[i]);
             sum[3] += 1.0;
         }
         let middles: Vec<[f64; 3]> = middles.iter().map(|m| [0, 1, 2].map(|i| m[i] / m[3].max(1.0))).collect();
-        let groups: Vec<Vec<u32>> = stiffness.keys().map(|&(a, b)| vec![a, b]).collect();
+        let moves = smoothed(matrix, smoother, &of, &rigid, held);
+        let groups: Vec<Vec<u32>> = product(matrix, &moves).into_keys().map(|(a, b)| vec![a, b]).collect();
         let first = (0..=count as u32).map(|a| MODES as u32 * a).collect();
-        let mut factor = SparseCholesky::new(first, &middles, &groups)?;
-        for (&(a, b), block) in &stiffness {
+        let factor = SparseCholesky::new(first, &middles, &groups)?;
+        let mut made = Self { of, count, rigid, moves, factor };
+        made.factorise(matrix)?;
+        Ok(made)
+    }
+
+    /// The same aggregates for other entries of the matrix.
+    ///
+    /// # Errors
+    /// What the factorisation says.
+    pub fn renew(&mut self, matrix: &BlockMatrix, smoother: &Smoother, held: &[[bool; 3]]) -> Result<(), SparseError> {
+        self.moves = smoothed(matrix, smoother, &self.of, &self.rigid, held);
+        self.factorise(matrix)
+    }
+
+    fn factorise(&mut self, matrix: &BlockMatrix) -> Result<(), SparseError> {
+        let factor = &mut self.factor;
+        factor.values.fill(0.0);
+        for (&(a, b), block) in &product(matrix, &self.moves) {
             for (k, value) in block.iter().enumerate() {
                 let (row, column) = (a * MODES as u32 + (k / MODES) as u32, b * MODES as u32 + (k % MODES) as u32);
                 if row >= column
@@ -63,15 +83,14 @@ impl Aggregates {
             }
         }
         // Motions that an aggregate does not have.
-        for k in 0..(MODES * count) as u32 {
+        for k in 0..(MODES * self.count) as u32 {
             if let Some(place) = factor.position(k, k)
                 && factor.values[place] == 0.0
             {
                 factor.values[place] = 1.0;
             }
         }
-        factor.factorize()?;
-        Ok(Self { moves, factor, count })
+        factor.factorize()
     }
 
     /// Adds to `x` what the aggregates do under the forces `b`.
@@ -216,10 +235,28 @@ fn smoothed(
     (0..matrix.nodes()).into_par_iter().map(row).collect()
 }
 
-/// P^T A P, blocks of 6 x 6 by pairs of aggregates.
-fn product(matrix: &BlockMatrix, moves: &[Vec<(u32, Motion)>]) -> HashMap<(u32, u32), [f64; MODES * MODES]> {
-    let mut sums: HashMap<(u32, u32), [f64; MODES * MODES]> = HashMap::new();
-    for row in 0..matrix.nodes() {
+/// Blocks of 6 x 6 by pairs of aggregates.
+type Blocks = HashMap<(u32, u32), [f64; MODES * MODES]>;
+
+/// Rows of a matrix that are multiplied together.
+const ROWS: usize = 4096;
+
+/// P^T A P: sums over parts of the rows, then over the parts, so that they do not depend on the number of threads.
+fn product(matrix: &BlockMatrix, moves: &[Vec<(u32, Motion)>]) -> Blocks {
+    let starts: Vec<usize> = (0..matrix.nodes()).step_by(ROWS).collect();
+    let part = |&start: &usize| product_of(matrix, moves, start..(start + ROWS).min(matrix.nodes()));
+    let parts: Vec<Blocks> = starts.par_iter().map(part).collect();
+    let mut sums = Blocks::new();
+    for (pair, block) in parts.into_iter().flatten() {
+        let sum = sums.entry(pair).or_insert([0.0; MODES * MODES]);
+        sum.iter_mut().zip(block).for_each(|(sum, value)| *sum += value);
+    }
+    sums
+}
+
+fn product_of(matrix: &BlockMatrix, moves: &[Vec<(u32, Motion)>], rows: std::ops::Range<usize>) -> Blocks {
+    let mut sums = Blocks::new();
+    for row in rows {
         let mut forces: Vec<(u32, Motion)> = Vec::new();
         for (b, block) in matrix.row(row) {
             for (aggregate, motion) in &moves[b as usize] {

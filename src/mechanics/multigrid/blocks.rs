@@ -66,6 +66,33 @@ impl BlockMatrix {
         }
     }
 
+    /// Adds the blocks of groups of nodes, by group and places of row and column in it. Each row adds up its groups in
+    /// their order, so the sums do not depend on the number of threads.
+    pub fn add_groups(&mut self, groups: &[&[u32]], block: impl Fn(usize, usize, usize) -> Block + Sync) {
+        let of = |(g, group): (usize, &&[u32])| -> Vec<(u32, u32, u32)> {
+            group.iter().enumerate().map(|(a, &node)| (node, g as u32, a as u32)).collect()
+        };
+        let mut places: Vec<(u32, u32, u32)> = groups.iter().enumerate().flat_map(of).collect();
+        places.sort_unstable();
+        let (mut rows, mut rest, mut from) = (Vec::new(), self.values.as_mut_slice(), 0);
+        for own in places.chunk_by(|p, q| p.0 == q.0) {
+            let [start, end] = [0, 1].map(|k| self.start[own[0].0 as usize + k] as usize);
+            let (values, after) = std::mem::take(&mut rest)[start - from..].split_at_mut(end - start);
+            (rest, from) = (after, end);
+            rows.push((own, &self.column[start..end], values));
+        }
+        rows.into_par_iter().with_min_len(64).for_each(|(own, columns, values)| {
+            for &(_, g, a) in own {
+                for (b, node) in groups[g as usize].iter().enumerate() {
+                    if let Ok(place) = columns.binary_search(node) {
+                        let block = block(g as usize, a as usize, b);
+                        values[place].iter_mut().zip(block).for_each(|(sum, value)| *sum += value);
+                    }
+                }
+            }
+        });
+    }
+
     fn position(&self, row: u32, column: u32) -> Option<usize> {
         let range = self.range(row as usize);
         self.column[range.clone()].binary_search(&column).ok().map(|k| range.start + k)

@@ -32,6 +32,8 @@ pub struct Solver<'a> {
     /// Stiffness of each component's surroundings, mN/mm.
     own_stiffness: Vec<f64>,
     damping: Damping,
+    /// Size of the last right side of Krylov's method in the present step.
+    last_right: Option<f64>,
     /// Time of the present step, s.
     seconds: f64,
     /// Newton iterations so far.
@@ -128,6 +130,12 @@ struct Balance {
 }
 
 impl Balance {
+    /// How far it is from what is asked for: the least factor by which something has to fall.
+    fn worth(&self) -> f64 {
+        let left = [FORCE_TOLERANCE / self.force, VOLUME_TOLERANCE / self.volume, GAP_TOLERANCE / self.gap];
+        left.into_iter().fold(1.0, f64::min)
+    }
+
     fn holds(&self) -> bool {
         self.settled && self.force <= FORCE_TOLERANCE && self.volume <= VOLUME_TOLERANCE && self.gap <= GAP_TOLERANCE
     }
@@ -157,6 +165,7 @@ impl<'a> Solver<'a> {
             floor: floor(problem),
             own_stiffness: own_stiffness(problem),
             damping: Damping::NONE,
+            last_right: None,
             seconds: 0.0,
             iterations: 0,
             cycles: 0,
@@ -239,6 +248,7 @@ impl<'a> Solver<'a> {
         iterations: usize,
     ) -> Result<State, StepError> {
         self.seconds = seconds;
+        self.last_right = None;
         let before = self.problem.positions(from);
         let mut state = start.clone();
         state.load = load;
@@ -281,7 +291,7 @@ impl<'a> Solver<'a> {
             let systems = self.assemble(&state, &touches)?;
             self.damping.renew(balance.force, same);
             self.iterations += 1;
-            let change = self.solve(&state, &systems, &touches)?;
+            let change = self.solve(&state, &systems, &touches, balance)?;
             (state, forces) = self.advance(&state, &change)?;
         }
         Err(StepError::Diverged {

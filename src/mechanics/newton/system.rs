@@ -129,9 +129,10 @@ impl Solver<'_> {
                 self.tangent = Some(tangent);
                 return Err(StepError::InsideOut);
             };
+            let of = |e: usize| (problem.mesh.element(e), chunk_systems[e - chunk[0]].stiffness.as_slice());
+            self.add_elements(&mut tangent, &chunk.iter().map(|&e| of(e)).collect::<Vec<_>>());
             for (&e, mut system) in chunk.iter().zip(chunk_systems) {
                 let unknowns = unknowns(problem.mesh.element(e), dim);
-                self.add_element(&mut tangent, problem.mesh.element(e), &unknowns, &system.stiffness);
                 system.stiffness = held_columns(&unknowns, &self.equation, &system.stiffness);
                 systems.push(system);
             }
@@ -188,13 +189,17 @@ impl Solver<'_> {
         Ok(())
     }
 
-    fn add_element(&self, tangent: &mut Tangent, nodes: &[u32], unknowns: &[usize], stiffness: &[f64]) {
+    /// Adds the stiffnesses of elements, given with their nodes.
+    fn add_elements(&self, tangent: &mut Tangent, elements: &[(&[u32], &[f64])]) {
         match tangent {
             Tangent::Direct(matrix) => {
-                let numbers: Vec<u32> = unknowns.iter().map(|&k| self.equation[k]).collect();
-                matrix.add(nodes, &numbers, stiffness);
+                let dim = self.problem.kinematics.dim();
+                for (nodes, stiffness) in elements {
+                    let numbers: Vec<u32> = unknowns(nodes, dim).iter().map(|&k| self.equation[k]).collect();
+                    matrix.add(nodes, &numbers, stiffness);
+                }
             }
-            Tangent::Multigrid(multigrid) => multigrid.add_element(nodes, stiffness),
+            Tangent::Multigrid(multigrid) => multigrid.add_elements(elements),
         }
     }
 
@@ -243,12 +248,15 @@ impl Solver<'_> {
         state: &State,
         systems: &[ElementSystem],
         touches: &[Touching],
+        balance: Balance,
     ) -> Result<Change, StepError> {
         let mut tangent = self.tangent.take().ok_or(SparseError::TooLarge)?;
         let (held, right) = self.right_side(state, systems, touches);
         let solved = match &mut tangent {
             Tangent::Direct(matrix) => self.solve_directly(matrix, held, &right, systems, touches),
-            Tangent::Multigrid(multigrid) => self.solve_iteratively(multigrid, held, right, systems, touches),
+            Tangent::Multigrid(multigrid) => {
+                self.solve_iteratively(multigrid, held, right, systems, touches, balance.worth())
+            }
         };
         self.tangent = Some(tangent);
         solved
@@ -367,15 +375,21 @@ pub(super) fn floor(problem: &Problem) -> Vec<f64> {
 }
 
 /// Sum over elements of shear modulus, volume and a size of the gradient of each node's shape function.
-fn gathered(problem: &Problem, size: impl Fn(&[f64; 3]) -> f64) -> Vec<f64> {
+fn gathered(problem: &Problem, size: impl Fn(&[f64; 3]) -> f64 + Sync) -> Vec<f64> {
     let dim = problem.kinematics.dim();
-    let mut sum = vec![0.0; problem.mesh.nodes.len() * dim];
-    for e in 0..problem.mesh.element_count() {
+    let of = |e: usize| -> Vec<f64> {
         let nodes = problem.mesh.element_positions(e);
         let shear = problem.materials[problem.mesh.region[e] as usize].law.shear_kpa();
-        for point in quadrature(dim).iter().filter_map(|at| problem.kinematics.point(&nodes, at)) {
-            for (&a, gradient) in problem.mesh.element(e).iter().zip(&point.gradient) {
-                let here = shear * point.volume * size(gradient);
+        let points = quadrature(dim).iter().filter_map(|at| problem.kinematics.point(&nodes, at));
+        let here = |volume: f64, gradient: &[f64; 3]| shear * volume * size(gradient);
+        points.flat_map(|point| point.gradient.iter().map(|g| here(point.volume, g)).collect::<Vec<_>>()).collect()
+    };
+    let mut sum = vec![0.0; problem.mesh.nodes.len() * dim];
+    let elements: Vec<usize> = (0..problem.mesh.element_count()).collect();
+    for chunk in elements.chunks(CHUNK) {
+        let own: Vec<Vec<f64>> = chunk.par_iter().map(|&e| of(e)).collect();
+        for (&e, own) in chunk.iter().zip(&own) {
+            for (&a, here) in problem.mesh.element(e).iter().cycle().zip(own) {
                 (0..dim).for_each(|c| sum[a as usize * dim + c] += here);
             }
         }

@@ -2,6 +2,7 @@
 
 use super::run::{JUDGED_SHARE, is_judged, press_once};
 use super::{ContactPoint, Load, PressError, Pressed, Setup};
+use crate::mechanics::newton::Method;
 
 /// Estimated discretisation error of a press at one load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,10 +21,14 @@ const LOCAL_SHARE: f64 = 1.0 / 3.0;
 const EDGE_SHARE: f64 = 1.0;
 
 /// Presses again at the depths that were reached and books the errors.
-pub(super) fn estimate(pressed: &mut Pressed, observe: &mut dyn FnMut(f64) -> bool) -> Result<(), PressError> {
+pub(super) fn estimate(
+    pressed: &mut Pressed,
+    method: Option<Method>,
+    observe: &mut dyn FnMut(f64) -> bool,
+) -> Result<(), PressError> {
     let mut coarse = pressed.setup.halved();
     coarse.load = Load::Depths(pressed.steps.iter().map(|step| step.depth_mm).collect());
-    let coarse = match press_once(&coarse, observe) {
+    let coarse = match press_once(&coarse, method, observe) {
         Ok(coarse) => coarse,
         // Without the coarser press there is no estimate, but the press stands.
         Err(PressError::Stopped { reached, .. }) => *reached,

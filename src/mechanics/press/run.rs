@@ -1,16 +1,18 @@
 //! Runs a press through its loads.
 
 use super::load::{Reached, march};
-use super::{Assembly, ContactPoint, PressError, PressureError, Setup, contact_points, error_estimate};
+use super::{Assembly, ContactPoint, Cost, PressError, PressureError, Setup, contact_points, error_estimate};
 use crate::mechanics::newton::{Method, Solver};
 use crate::mechanics::problem::State;
 use std::time::Instant;
 
 /// What a press computes beside the press itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PressSettings {
     /// A second press on elements of twice the size estimates the error.
     pub estimate_error: bool,
+    /// How linear systems are solved; if not given, as costs less.
+    pub method: Option<Method>,
 }
 
 /// How far a press is.
@@ -52,11 +54,15 @@ pub struct Pressed {
     pub unknowns: usize,
     /// Newton iterations.
     pub iterations: usize,
+    /// Cycles of multigrid.
+    pub cycles: usize,
     /// Seconds, without the error estimate.
     pub seconds: f64,
     /// Seconds of the error estimate.
     pub error_seconds: f64,
-    /// Memory of the matrix factor, MiB.
+    /// How linear systems were solved.
+    pub method: Method,
+    /// Memory of the matrix's factor, or of multigrid's levels, MiB.
     pub factor_mib: f64,
 }
 
@@ -73,30 +79,49 @@ pub fn press(
     observe: &mut dyn FnMut(PressStage) -> bool,
 ) -> Result<Pressed, PressError> {
     let share = if settings.estimate_error { 0.75 } else { 1.0 };
-    let mut pressed = press_once(setup, &mut |done| observe(PressStage { done: share * done, what: "pressing" }))?;
+    let mut pressed =
+        press_once(setup, settings.method, &mut |done| observe(PressStage { done: share * done, what: "pressing" }))?;
     if settings.estimate_error {
         let start = Instant::now();
         let observe =
             &mut |done| observe(PressStage { done: share + (1.0 - share) * done, what: "estimating the error" });
-        error_estimate::estimate(&mut pressed, observe)?;
+        error_estimate::estimate(&mut pressed, settings.method, observe)?;
         pressed.error_seconds = start.elapsed().as_secs_f64();
     }
     Ok(pressed)
 }
 
 /// One press on one mesh.
-pub(super) fn press_once(setup: &Setup, observe: &mut dyn FnMut(f64) -> bool) -> Result<Pressed, PressError> {
+pub(super) fn press_once(
+    setup: &Setup,
+    method: Option<Method>,
+    observe: &mut dyn FnMut(f64) -> bool,
+) -> Result<Pressed, PressError> {
     let start = Instant::now();
     let assembly = Assembly::new(setup)?;
-    let mut solver = Solver::new(&assembly.problem, Method::Direct);
+    let cost = Cost::of_problem(setup, &assembly.problem, method);
+    cost.check(setup)?;
+    let mut solver = Solver::new(&assembly.problem, cost.method);
     let mut steps = Vec::new();
     let outcome = march(&mut solver, setup, observe, &mut |reached| steps.push(step(setup, &assembly, reached)));
-    let (iterations, factor_mib) = (solver.iterations, solver.factor_bytes() as f64 / f64::from(1 << 20));
+    let (iterations, cycles, factor_mib) =
+        (solver.iterations, solver.cycles, solver.factor_bytes() as f64 / f64::from(1 << 20));
     drop(solver);
     let unknowns = assembly.problem.unknowns();
     let seconds = start.elapsed().as_secs_f64();
     let setup = setup.clone();
-    let pressed = Pressed { setup, assembly, steps, unknowns, iterations, seconds, error_seconds: 0.0, factor_mib };
+    let pressed = Pressed {
+        setup,
+        assembly,
+        steps,
+        unknowns,
+        iterations,
+        cycles,
+        seconds,
+        error_seconds: 0.0,
+        method: cost.method,
+        factor_mib,
+    };
     match outcome {
         Ok(()) => Ok(pressed),
         Err(cause) => Err(PressError::Stopped { cause, reached: Box::new(pressed) }),

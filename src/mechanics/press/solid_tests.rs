@@ -60,7 +60,7 @@ fn soft_press(material: fn(f64) -> Material, inclusions: Vec<InclusionShape>, sy
 }
 
 fn run(setup: &Setup) -> Pressed {
-    press(setup, PressSettings { estimate_error: false }, &mut |_| true).unwrap()
+    press(setup, PressSettings::default(), &mut |_| true).unwrap()
 }
 
 /// Mean pressure between two distances from the axis, Pa.

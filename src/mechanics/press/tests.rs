@@ -41,7 +41,7 @@ fn phantom(inclusion: Option<[f64; 3]>, soft: bool, linear: bool, depths: &[f64]
 }
 
 fn pressed(setup: &Setup) -> Pressed {
-    press(setup, PressSettings { estimate_error: false }, &mut |_| true).map_err(|error| error.to_string()).unwrap()
+    press(setup, PressSettings::default(), &mut |_| true).map_err(|error| error.to_string()).unwrap()
 }
 
 /// Mean pressure over r < 1 mm, Pa of the undeformed face: the pressure is linear between the nodes.
@@ -125,7 +125,8 @@ fn the_estimated_error_is_true_within_a_factor_of_two() {
     for (inclusion, linear, depth) in [(None, true, 1.0), (Some([8.0, 5.0, 120.0]), true, 1.0)] {
         let mut setup = phantom(inclusion, true, linear, &[depth]);
         setup.phantom.resolution = Resolution::PLANE.halved();
-        let done = press(&setup, PressSettings { estimate_error: true }, &mut |_| true).unwrap();
+        let done =
+            press(&setup, PressSettings { estimate_error: true, ..PressSettings::default() }, &mut |_| true).unwrap();
         let mut finer = setup.clone();
         finer.phantom.resolution = finer.phantom.resolution.doubled().doubled();
         let truth = pressed(&finer);
@@ -194,7 +195,8 @@ fn a_held_press_relaxes_by_its_prony_terms() {
 fn a_press_that_is_too_much_keeps_what_it_reached() {
     let mut setup = phantom(None, true, false, &[1.0, 40.0]);
     setup.phantom.resolution = Resolution::PLANE.halved();
-    let Err(PressError::Stopped { reached, .. }) = press(&setup, PressSettings { estimate_error: true }, &mut |_| true)
+    let Err(PressError::Stopped { reached, .. }) =
+        press(&setup, PressSettings { estimate_error: true, ..PressSettings::default() }, &mut |_| true)
     else {
         panic!("phantom and layers are 35 mm thick");
     };

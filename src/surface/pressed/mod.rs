@@ -123,7 +123,7 @@ mod tests {
         let mut loaded = crate::scene::preset("phantom-size-8mm").unwrap();
         loaded.scene.press.as_mut().unwrap().depths_mm = Some(vec![2.0]);
         let setup = press_setup(&loaded).unwrap();
-        let pressed = press(&setup, PressSettings { estimate_error: false }, &mut |_| true).unwrap();
+        let pressed = press(&setup, PressSettings::default(), &mut |_| true).unwrap();
         let mut surface = |points| {
             loaded.scene.render.height_field_points = points;
             pressed_surface(&loaded, &pressed, pressed.steps.last().unwrap()).unwrap()

@@ -17,7 +17,7 @@ pub fn setup(inclusion: bool, subdivision: usize) -> Setup {
 }
 
 pub fn run(inclusion: bool, subdivision: usize, estimate_error: bool) -> Result<Pressed, PressError> {
-    press(&setup(inclusion, subdivision), PressSettings { estimate_error }, &mut |_| true)
+    press(&setup(inclusion, subdivision), PressSettings { estimate_error, ..PressSettings::default() }, &mut |_| true)
 }
 
 /// Errors of the last step against a finer mesh: of the pressure, rms over 0.8 of the footprint, and of the force.

@@ -56,7 +56,7 @@ impl ScanSetup {
                 inclusions: inclusions.collect::<Result<_, _>>()?,
                 footprint: Footprint::Rectangle { half_widths_mm: [reach; 2] },
                 symmetry: [false; 2],
-                resolution: RESOLUTION.scaled(1.0 / scan.resolution),
+                resolution: RESOLUTION.finer(scan.resolution),
             },
             materials: bodies.map(from_scene::material).collect::<Result<_, _>>()?,
             indenter: match &scan.indenter {
