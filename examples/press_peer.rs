@@ -179,6 +179,7 @@ fn hertz(rung: usize, nu: f64) -> Result<(Mesh, Value)> {
             coarsest_mm: 0.4 * FAR_MM,
             growth: 0.5,
             rim_mm: 0.0,
+            rim_divisions: 1.0,
             inclusion_divisions: 4.0,
             subdivision: rung,
         },
@@ -203,7 +204,7 @@ fn hertz(rung: usize, nu: f64) -> Result<(Mesh, Value)> {
     let iterations = solver.iterations;
     drop(solver);
     let seconds = start.elapsed().as_secs_f64();
-    let points = contact_points(&problem, 0, &state);
+    let points = contact_points(&problem, &state);
     let rows: Vec<[f64; 2]> = points.iter().map(|point| [point.reference_mm[0], point.pressure_kpa]).collect();
     let modulus = 1.0 / (1.0 - nu * nu);
     let figures = json!({

@@ -1,15 +1,18 @@
 //! What a press in three dimensions costs: unknowns, iterations, cycles, seconds, memory.
 //!
 //!     cargo run --release --example solid_press -- SCENE [--method direct|multigrid] [--resolution R] [--depth MM]
+//!                                                  [--edge-mm R] [--sibling]
 //!
-//! Memory is the most that the process held (Linux). Runs one press and prints one row of a table.
+//! Memory is the most that the process held (Linux). Runs one press and prints one row of a table. With `--sibling` the
+//! scene, a body of revolution, is pressed in two dimensions too, on elements of half the size, and rows say by how much
+//! force and pressure in rings differ.
 
 use anyhow::{Context as _, Result};
 use clap::{Parser, ValueEnum};
 use std::path::PathBuf;
 use tirtouch::mechanics::from_scene::press_setup;
 use tirtouch::mechanics::newton::Method;
-use tirtouch::mechanics::press::{Load, PressSettings, press};
+use tirtouch::mechanics::press::{Load, PressSettings, PressStep, Pressed, press};
 use tirtouch::scene::{Dimensions, LoadedScene, load, preset};
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -31,6 +34,12 @@ struct Arguments {
     /// The only depth, mm, in place of the scene's loads.
     #[arg(long)]
     depth: Option<f64>,
+    /// `press.edge_radius_mm`, in place of the scene's.
+    #[arg(long)]
+    edge_mm: Option<f64>,
+    /// Compare with the press in two dimensions.
+    #[arg(long)]
+    sibling: bool,
 }
 
 fn scene(arguments: &Arguments) -> Result<LoadedScene> {
@@ -42,7 +51,38 @@ fn scene(arguments: &Arguments) -> Result<LoadedScene> {
     let press = loaded.scene.press.as_mut().context("the scene has no press")?;
     press.dimensions = Dimensions::Three;
     press.resolution = arguments.resolution.unwrap_or(press.resolution);
+    press.edge_radius_mm = arguments.edge_mm.or(press.edge_radius_mm);
     Ok(loaded)
+}
+
+/// Mean pressure in rings about the axis, kPa: the forces of the nodes in each over their areas.
+fn rings(step: &PressStep, edges: &[f64]) -> Vec<f64> {
+    let mut sums = vec![[0.0; 2]; edges.len() - 1];
+    for point in &step.points {
+        let r = point.reference_mm[0].hypot(point.reference_mm[1]);
+        if let Some(ring) = edges.windows(2).position(|pair| pair[0] <= r && r < pair[1]) {
+            sums[ring][0] += point.force_mn;
+            sums[ring][1] += point.area_mm2;
+        }
+    }
+    sums.iter().map(|[force, area]| force / area).collect()
+}
+
+fn compare(arguments: &Arguments, solid: &Pressed) -> Result<()> {
+    let mut loaded = scene(arguments)?;
+    let press_of = loaded.scene.press.as_mut().context("the scene has no press")?;
+    (press_of.dimensions, press_of.resolution) = (Dimensions::Two, 2.0);
+    let mut setup = press_setup(&loaded)?;
+    setup.load = solid.setup.load.clone();
+    let plane = press(&setup, PressSettings::default(), &mut |_| true)?;
+    let (solid, plane) = (solid.steps.last().context("no load")?, plane.steps.last().context("no load")?);
+    let reach = setup.reach_mm();
+    println!("force {:+.3} %", 100.0 * (solid.force_n / plane.force_n - 1.0));
+    let edges: Vec<f64> = (0..=10).map(|k| 0.1 * f64::from(k) * reach).collect();
+    for ((pair, solid), plane) in edges.windows(2).zip(rings(solid, &edges)).zip(rings(plane, &edges)) {
+        println!("{:5.1} to {:5.1} mm: {:+.2} %", pair[0], pair[1], 100.0 * (solid / plane - 1.0));
+    }
+    Ok(())
 }
 
 /// Most memory that the process held, GiB.
@@ -78,5 +118,8 @@ fn main() -> Result<()> {
         last.force_n,
         last.peak_pressure_kpa,
     );
+    if arguments.sibling {
+        compare(&arguments, &pressed)?;
+    }
     Ok(())
 }

@@ -1,17 +1,19 @@
 //! How often does a press of a phantom that nobody chose come to its end, and how long does it take?
 //!
-//!     cargo run --release --example any_phantom -- [--phantoms 500] [--edge-mm R] [--seed 1] [--all]
+//!     cargo run --release --example any_phantom -- [--phantoms 500] [--solid] [--resolution F] [--edge-mm R] [--seed 1]
+//!                                                  [--all]
 //!
 //! Draws phantoms about `phantom-size-8mm`: a sphere of 4 to 14 mm and 20 to 150 kPa (log-uniform), its top 2 to 11 mm
 //! deep as far as it fits, in 3 to 10 kPa, pressed from 0.5 mm to 0.5 to 5 mm in three loads, each with and without its
-//! inclusion. Prints a row for each failure, then counts and times.
+//! inclusion. With `--solid` the sphere lies up to 8 mm off the axis, at any angle about it, so that the press is one in
+//! three dimensions without a symmetry. Prints a row for each failure, then counts and times.
 
 use anyhow::{Context as _, Result};
 use clap::Parser;
 use std::time::Instant;
 use tirtouch::camera::noise::PixelRandom;
 use tirtouch::mechanics::from_scene::press_setup;
-use tirtouch::mechanics::press::{PressError, PressSettings, press};
+use tirtouch::mechanics::press::{PressError, PressSettings, Pressed, press};
 use tirtouch::scene::{Elastic, InclusionBody, LoadedScene, preset};
 
 #[derive(Parser)]
@@ -28,6 +30,12 @@ struct Arguments {
     /// Radius of the sensor's rim, mm; the scene's own if not given.
     #[arg(long)]
     edge_mm: Option<f64>,
+    /// Presses in three dimensions, of spheres off the axis.
+    #[arg(long)]
+    solid: bool,
+    /// Fineness of the meshes, as `press.resolution`.
+    #[arg(long, default_value_t = 1.0)]
+    resolution: f64,
     /// Force of every phantom on standard output.
     #[arg(long)]
     all: bool,
@@ -40,6 +48,8 @@ struct Drawn {
     lump_kpa: f64,
     body_kpa: f64,
     depths_mm: Vec<f64>,
+    /// Place of the sphere in plan, where the press is one in three dimensions.
+    center_mm: [f64; 2],
 }
 
 impl Drawn {
@@ -55,10 +65,12 @@ impl Drawn {
         let last = between(0.5, 5.0);
         let mut depths_mm = vec![0.5, 0.5 * (0.5 + last), last];
         depths_mm.dedup_by(|a, b| *a - *b < 1e-3);
-        Self { diameter_mm, top_mm, lump_kpa, body_kpa, depths_mm }
+        let (off_axis_mm, angle) = (between(0.0, 8.0), between(0.0, std::f64::consts::TAU));
+        let center_mm = [off_axis_mm * angle.cos(), off_axis_mm * angle.sin()];
+        Self { diameter_mm, top_mm, lump_kpa, body_kpa, depths_mm, center_mm }
     }
 
-    fn scene(&self, edge_mm: Option<f64>) -> Result<LoadedScene> {
+    fn scene(&self, arguments: &Arguments) -> Result<LoadedScene> {
         let mut loaded = preset("phantom-size-8mm").context("the preset is missing")?;
         let elastic = |youngs_kpa: f64| Elastic::NeoHookean { youngs_kpa, poisson: 0.4999, relaxation: Vec::new() };
         let phantom = loaded.scene.phantom.as_mut().context("a phantom")?;
@@ -66,16 +78,20 @@ impl Drawn {
         let lump = phantom.inclusion.first_mut().context("an inclusion")?;
         lump.shape = InclusionBody::Sphere { diameter_mm: self.diameter_mm };
         (lump.depth_mm, lump.material) = (self.top_mm, elastic(self.lump_kpa));
+        if arguments.solid {
+            lump.center_mm = self.center_mm;
+        }
         let press = loaded.scene.press.as_mut().context("a press")?;
         press.depths_mm = Some(self.depths_mm.clone());
-        press.edge_radius_mm = edge_mm.or(press.edge_radius_mm);
+        (press.edge_radius_mm, press.resolution) = (arguments.edge_mm.or(press.edge_radius_mm), arguments.resolution);
         Ok(loaded)
     }
 
     fn words(&self) -> String {
-        let Self { diameter_mm, top_mm, lump_kpa, body_kpa, depths_mm } = self;
+        let Self { diameter_mm, top_mm, lump_kpa, body_kpa, depths_mm, center_mm } = self;
         format!(
-            "{diameter_mm:.3} mm of {lump_kpa:.2} kPa, {top_mm:.3} mm deep in {body_kpa:.3} kPa, to {depths_mm:.3?}"
+            "{diameter_mm:.3} mm of {lump_kpa:.2} kPa, {top_mm:.3} mm deep in {body_kpa:.3} kPa, to {depths_mm:.3?}, \
+             off the axis by {center_mm:.3?} if solid"
         )
     }
 }
@@ -85,7 +101,7 @@ fn main() -> Result<()> {
     let (mut failed, mut seconds) = (0, Vec::new());
     for number in arguments.first..arguments.first + arguments.phantoms {
         let drawn = Drawn::new(arguments.seed, number);
-        let setup = press_setup(&drawn.scene(arguments.edge_mm)?)?;
+        let setup = press_setup(&drawn.scene(&arguments)?)?;
         for (which, setup) in [("phantom", setup.clone()), ("baseline", setup.without_inclusions())] {
             let start = Instant::now();
             let outcome = press(&setup, PressSettings::default(), &mut |_| true);
@@ -93,8 +109,13 @@ fn main() -> Result<()> {
             seconds.push(took);
             match outcome {
                 Ok(pressed) if arguments.all => {
+                    let pressed = &pressed;
                     let forces: Vec<f64> = pressed.steps.iter().map(|step| step.force_n).collect();
-                    println!("{number} {which} {took:.2} s, {} iterations, {forces:.6?} N", pressed.iterations);
+                    let Pressed { unknowns, iterations, cycles, .. } = *pressed;
+                    println!(
+                        "{number} {which} {took:.2} s, {unknowns} unknowns, {iterations} iterations, {cycles} cycles, \
+                         {forces:.6?} N"
+                    );
                 }
                 Ok(_) => {}
                 Err(PressError::Stopped { cause, reached }) => {

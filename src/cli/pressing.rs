@@ -41,11 +41,15 @@ pub(super) fn press_scene(loaded: &LoadedScene, file: &Path, wanted: Wanted) -> 
     drop(progress);
     pressed.map_err(|error| match error {
         PressError::Stopped { cause: PathError::Stopped, .. } => PressFailure::whole(Failure::cancelled()),
-        PressError::Stopped { cause, reached } => {
-            let failure = Failure::failed(format!("{}: {cause}", file.display())).in_file(file);
-            PressFailure { failure, reached: Some(reached) }
+        error => {
+            let words = format!("{}: {error}", file.display());
+            match error {
+                PressError::Stopped { reached, .. } => {
+                    PressFailure { failure: Failure::failed(words).in_file(file), reached: Some(reached) }
+                }
+                _ => PressFailure::whole(Failure::input(words).in_file(file)),
+            }
         }
-        error => PressFailure::whole(mistake(&error)),
     })
 }
 

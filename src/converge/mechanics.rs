@@ -117,10 +117,16 @@ fn divided(depths: &[f64], count: usize) -> Vec<f64> {
 pub fn run(setup: &Setup, observe: &mut dyn FnMut(PressStage) -> bool) -> Result<Found, PressError> {
     let (pressed, stopped) = match press(setup, PressSettings::default(), observe) {
         Ok(pressed) => (pressed, None),
-        Err(PressError::Stopped { cause, reached }) if cause != PathError::Stopped => {
-            (*reached, Some(cause.to_string()))
+        Err(PressError::Stopped { cause: PathError::Stopped, reached }) => {
+            return Err(PressError::Stopped { cause: PathError::Stopped, reached });
         }
-        Err(error) => return Err(error),
+        Err(error) => {
+            let words = error.to_string();
+            match error {
+                PressError::Stopped { reached, .. } => (*reached, Some(words)),
+                error => return Err(error),
+            }
+        }
     };
     let (Load::Depths(asked) | Load::Forces(asked)) = &setup.load;
     let reached = asked.iter().zip(&pressed.steps);

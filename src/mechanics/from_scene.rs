@@ -90,6 +90,7 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
     let inclusions = inclusions.collect::<Result<Vec<_>, _>>()?;
     let elastics = std::iter::once(&phantom.material).chain(phantom.inclusion.iter().map(|one| &one.material));
     let base = if flat { Resolution::PLANE } else { Resolution::SOLID };
+    let edge_radius_mm = press.edge_radius_mm(&scene.stack);
     Ok(Setup {
         kinematics: if flat { Kinematics::Axisymmetric } else { Kinematics::ThreeDimensional },
         pressure: PressureOrder::Linear,
@@ -102,12 +103,8 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
         },
         phantom_materials: elastics.map(material).collect::<Result<Vec<_>, _>>()?,
         sensor: match press.sensor {
-            PressedSensor::Rigid => SensorBody::Rigid { edge_radius_mm: press.edge_radius_mm() },
-            PressedSensor::Deformable => {
-                // In three dimensions the elements at the rim are larger than it.
-                let edge_radius_mm = if flat { press.edge_radius_mm() } else { press.edge_radius_mm.unwrap_or(0.0) };
-                SensorBody::Layers { layers: soft_layers(&scene.stack)?, edge_radius_mm }
-            }
+            PressedSensor::Rigid => SensorBody::Rigid { edge_radius_mm },
+            PressedSensor::Deformable => SensorBody::Layers { layers: soft_layers(&scene.stack)?, edge_radius_mm },
         },
         grip: match press.interface {
             Interface::Tied => Grip::Bonded,

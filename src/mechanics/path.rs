@@ -8,10 +8,12 @@ use thiserror::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum PathError {
     /// Even short steps did not converge.
-    #[error("the press stops at {reached:.3} of its load: {cause}")]
+    #[error("the press stops at {reached:.3} of {target}: {cause}")]
     Stuck {
         /// Highest load factor in balance.
         reached: f64,
+        /// Load factor that was asked for.
+        target: f64,
         /// Why the next step failed.
         cause: StepError,
     },
@@ -86,7 +88,7 @@ pub fn follow(
                 }
                 // A matrix that is too large stays so, however short the step.
                 Err(cause) if step * 0.5 < whole * SHORTEST || cause.is_too_large() => {
-                    return Err(PathError::Stuck { reached: state.load, cause });
+                    return Err(PathError::Stuck { reached: state.load, target, cause });
                 }
                 Err(_) => step *= 0.5,
             }

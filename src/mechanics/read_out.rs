@@ -2,28 +2,28 @@
 //!
 //! A nodal reaction is the derivative of the energy by that node's displacement, less the dead force. Work done over
 //! any displacement of supported nodes is therefore exact for the mesh, and sums of reactions converge twice as fast as
-//! stresses do.
+//! stresses do. Relaxing materials are read by what they remember: a held state has the stresses of its history.
 
-use super::element::{GAUSS_3, QuadraturePoint, Shape, quadrature};
+use super::element::{GAUSS_3, Shape, quadrature};
 use super::kinematics::Kinematics;
-use super::material::Tensor;
+use super::material::{History, Tensor};
 use super::mesh::{Boundary, Facet, Mesh};
 use super::problem::{Problem, State};
 use super::solid::{determinant, element_system, pressure_frame, pressure_functions};
 use std::collections::HashMap;
 
-/// Stress and strain at a point of an element.
+/// Stress and strain at a quadrature point of an element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Reference position, mm.
     pub position: [f64; 3],
-    /// Reference volume that a quadrature point stands for, mm^3 (mm^2 in plane strain); 0 for other points.
+    /// Reference volume that it stands for, mm^3 (mm^2 in plane strain).
     pub volume: f64,
     /// Deformation gradient; axes x (r), z and the third (hoop) in two dimensions.
     pub deformation: Tensor,
     /// Volume over reference volume; 1 + trace of the strain under the linear law.
     pub jacobian: f64,
-    /// Mean stress of the element's pressure functions, kPa; tension positive.
+    /// Mean stress, kPa; tension positive.
     pub pressure: f64,
     /// Cauchy stress, kPa; axes as in the deformation gradient.
     pub cauchy: Tensor,
@@ -43,7 +43,8 @@ pub fn reactions(problem: &Problem, state: &State) -> Option<Vec<[f64; 3]>> {
             &element.displacement,
             element.pressure,
             &problem.materials[problem.mesh.region[e] as usize],
-            None,
+            // Nothing relaxes in no time.
+            Some((element.history, 0.0)),
             None,
         )?;
         for (&node, force) in problem.mesh.element(e).iter().zip(system.force.chunks(dim)) {
@@ -119,16 +120,10 @@ fn surface(shape: &Shape, nodes: &[[f64; 3]], inside: [f64; 3], axes: usize) -> 
     (position, if outward < 0.0 { area.map(|a| -a) } else { area })
 }
 
-/// Stress at a local point (-1 to 1 along each axis) of element `e`; `None` where it is inside out.
-pub fn sample(problem: &Problem, state: &State, e: usize, local: [f64; 3]) -> Option<Sample> {
-    let at = QuadraturePoint { shape: Shape::at(problem.kinematics.dim(), local), weight: 0.0 };
-    Element::new(problem, state, e).sample(problem, e, &at)
-}
-
 /// Stress at the quadrature points of element `e`; `None` where it is inside out.
 pub fn samples(problem: &Problem, state: &State, e: usize) -> Option<Vec<Sample>> {
     let element = Element::new(problem, state, e);
-    quadrature(problem.kinematics.dim()).iter().map(|at| element.sample(problem, e, at)).collect()
+    (0..quadrature(problem.kinematics.dim()).len()).map(|q| element.sample(problem, e, q)).collect()
 }
 
 /// Smallest volume over reference volume at all quadrature points; `None` where an element is inside out.
@@ -150,28 +145,10 @@ pub fn element_pressure(problem: &Problem, state: &State) -> Vec<f64> {
     let at_nodes = |e: usize| {
         let element = Element::new(problem, state, e);
         let frame = pressure_frame(&element.nodes);
-        element.nodes.iter().map(|&x| -element.pressure_at(dim, &frame, x)).collect::<Vec<_>>()
+        let remembered = element.remembered_pressure(problem, e);
+        element.nodes.iter().map(|&x| -element.pressure_at(dim, &frame, x) - remembered).collect::<Vec<_>>()
     };
     (0..problem.mesh.element_count()).flat_map(at_nodes).collect()
-}
-
-/// Mean stress at the nodes, kPa: the mean over the elements around each, weighted by their boxes.
-///
-/// It smears the true jump where two regions meet.
-pub fn nodal_pressure(problem: &Problem, state: &State) -> Vec<f64> {
-    let dim = problem.kinematics.dim();
-    let mut sums = vec![[0.0; 2]; problem.mesh.nodes.len()];
-    for e in 0..problem.mesh.element_count() {
-        let element = Element::new(problem, state, e);
-        let frame = pressure_frame(&element.nodes);
-        let size: f64 = frame[1][..dim].iter().product();
-        for (&node, &position) in problem.mesh.element(e).iter().zip(&element.nodes) {
-            let sum = &mut sums[node as usize];
-            sum[0] += size * element.pressure_at(dim, &frame, position);
-            sum[1] += size;
-        }
-    }
-    sums.iter().map(|[sum, size]| sum / size).collect()
 }
 
 /// Jump of the discontinuous pressure between neighbours of one region, rms over the shared faces' middles, as a share
@@ -214,6 +191,8 @@ struct Element<'a> {
     nodes: Vec<[f64; 3]>,
     displacement: Vec<[f64; 3]>,
     pressure: &'a [f64],
+    /// What its quadrature points remember; empty for elastic materials.
+    history: &'a [History],
 }
 
 impl<'a> Element<'a> {
@@ -224,22 +203,38 @@ impl<'a> Element<'a> {
             nodes: pick(&problem.mesh.nodes),
             displacement: pick(&state.displacement),
             pressure: &state.pressure[e * count..(e + 1) * count],
+            history: &state.history[e],
         }
+    }
+
+    /// Mean over the element of what its memory adds to the mean stress, kPa; 0 where it is elastic or inside out.
+    fn remembered_pressure(&self, problem: &Problem, e: usize) -> f64 {
+        if self.history.is_empty() {
+            return 0.0;
+        }
+        let (dim, frame) = (problem.kinematics.dim(), pressure_frame(&self.nodes));
+        let samples = (0..self.history.len()).filter_map(|q| self.sample(problem, e, q));
+        let add = |sum: [f64; 2], at: Sample| {
+            let own = self.pressure_at(dim, &frame, at.position);
+            [sum[0] + at.volume * (at.pressure - own), sum[1] + at.volume]
+        };
+        let [sum, volume] = samples.fold([0.0; 2], add);
+        if volume > 0.0 { sum / volume } else { 0.0 }
     }
 
     fn pressure_at(&self, dim: usize, frame: &[[f64; 3]; 2], position: [f64; 3]) -> f64 {
         self.pressure.iter().zip(pressure_functions(dim, frame, position)).map(|(p, f)| p * f).sum()
     }
 
-    fn sample(&self, problem: &Problem, e: usize, at: &QuadraturePoint) -> Option<Sample> {
+    fn sample(&self, problem: &Problem, e: usize, q: usize) -> Option<Sample> {
         let dim = problem.kinematics.dim();
-        let point = problem.kinematics.point(&self.nodes, at)?;
+        let point = problem.kinematics.point(&self.nodes, &quadrature(dim)[q])?;
         let (position, volume) = (point.position, point.volume);
         let mut f = point.displacement_gradient(dim, &self.displacement);
         let trace = f[0][0] + f[1][1] + f[2][2];
         (0..3).for_each(|i| f[i][i] += 1.0);
         let material = &problem.materials[problem.mesh.region[e] as usize];
-        let piola = material.isochoric(&f, None)?.stress;
+        let piola = material.isochoric(&f, self.history.get(q).map(|history| (history, 0.0)))?.stress;
         let pressure = self.pressure_at(dim, &pressure_frame(&self.nodes), position);
         let small = material.law.is_small_strain();
         let jacobian = if small { 1.0 + trace } else { determinant(&f) };
@@ -253,6 +248,8 @@ impl<'a> Element<'a> {
                 isochoric + if i == j { pressure } else { 0.0 }
             })
         });
+        // What a material remembers is a deviator where it arose, and only nearly one here.
+        let pressure = (cauchy[0][0] + cauchy[1][1] + cauchy[2][2]) / 3.0;
         Some(Sample { position, volume, deformation: f, jacobian, pressure, cauchy })
     }
 }

@@ -19,9 +19,9 @@ pub struct Press {
     pub footprint: Option<Face>,
     /// What happens along the touching faces. Default: `frictionless`.
     pub interface: Interface,
-    /// Radius of the rim of the sensor's touched face, mm; 0 is sharp. Absent: 0 where tied, 0.5 where faces slide,
-    /// because a sharp rim that slides is singular (and none that is moulded is sharp). A rigid sensor that is tied has
-    /// none.
+    /// Radius of the rim of the sensor's touched face, mm; 0 is sharp. Absent: 0 where tied; where faces slide 0.5, or as
+    /// far as a third of the face's half width and half of the topmost soft layer allow, because a sharp rim that
+    /// slides is singular (and none that is moulded is sharp). A rigid sensor that is tied has none.
     pub edge_radius_mm: Option<f64>,
     /// Dimensions of the finite elements. Default: `auto`.
     pub dimensions: Dimensions,
@@ -37,6 +37,9 @@ pub struct Press {
 
 /// Radius of the rim where faces slide and nothing is said, mm: an edge broken as moulds' are.
 const SLIDING_EDGE_RADIUS_MM: f64 = 0.5;
+
+/// Largest radius of the rim, as a share of the touched face's half width.
+const LARGEST_EDGE: f64 = 1.0 / 3.0;
 
 impl Default for Press {
     fn default() -> Self {
@@ -119,9 +122,20 @@ impl Press {
     }
 
     /// Radius of the rim of the sensor's touched face, mm.
-    pub fn edge_radius_mm(&self) -> f64 {
-        let sliding = if self.interface == Interface::Tied { 0.0 } else { SLIDING_EDGE_RADIUS_MM };
-        self.edge_radius_mm.unwrap_or(sliding)
+    pub fn edge_radius_mm(&self, stack: &Stack) -> f64 {
+        let rigid = self.sensor == PressedSensor::Rigid;
+        let unsaid = || match stack.layer.iter().find(|layer| layer.elastic.is_some()) {
+            _ if self.interface == Interface::Tied => 0.0,
+            Some(top) if !rigid => SLIDING_EDGE_RADIUS_MM.min(0.5 * top.thickness_mm),
+            _ => SLIDING_EDGE_RADIUS_MM,
+        };
+        self.edge_radius_mm.unwrap_or_else(|| unsaid().min(self.largest_edge_radius_mm(stack)))
+    }
+
+    /// Largest radius of the rim that the touched face has room for, mm.
+    pub fn largest_edge_radius_mm(&self, stack: &Stack) -> f64 {
+        let [x, y] = self.face(stack).half_widths_mm();
+        x.min(y) * LARGEST_EDGE
     }
 
     /// Why the press cannot be computed in two dimensions; `None` where phantom, inclusions and touched face are bodies

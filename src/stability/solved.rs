@@ -24,5 +24,14 @@ pub fn held(
 
 /// Elements of one size within the contact and around its edge, larger ones far away.
 pub fn graded(edge_mm: f64, contact_mm: f64, coarsest_mm: f64, growth: f64, subdivision: usize) -> Resolution {
-    Resolution { edge_mm, contact_mm, coarsest_mm, growth, rim_mm: 0.0, inclusion_divisions: 4.0, subdivision }
+    Resolution {
+        edge_mm,
+        contact_mm,
+        coarsest_mm,
+        growth,
+        rim_mm: 0.0,
+        rim_divisions: 1.0,
+        inclusion_divisions: 4.0,
+        subdivision,
+    }
 }

@@ -20,6 +20,7 @@ mod patch;
 mod press;
 mod punches;
 mod rates;
+mod relaxation;
 mod shells;
 mod sliding;
 

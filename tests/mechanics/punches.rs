@@ -1,6 +1,12 @@
 //! Punches on layers and half spaces.
 
 use super::answers::{Answer, hayes, hertz};
+use tirtouch::mechanics::contact::Grip;
+use tirtouch::mechanics::element::PressureOrder;
+use tirtouch::mechanics::kinematics::Kinematics;
+use tirtouch::mechanics::material::Material;
+use tirtouch::mechanics::mesh::{Footprint, PhantomMesh, PhantomShape, Resolution};
+use tirtouch::mechanics::press::{Load, PressSettings, SensorBody, Setup, press};
 
 fn assert_close(what: &str, answer: &Answer, name: &str, tolerance: f64) {
     let error = answer.error(name);
@@ -56,5 +62,39 @@ fn a_cylinder_presses_as_hertz_says() {
         assert_close(&what, &answer, "edge, elements", 1.0);
         assert_close(&what, &answer, "pressure, rms", 5e-3);
         assert_close(&what, &answer, "p(0), kPa", 5e-3);
+    }
+}
+
+/// A rigid sensor's flat face with a rim of a thousandth of its radius, pressed little, by the press itself.
+#[test]
+fn a_rigid_sensor_resolves_its_rim() {
+    let (radius_mm, rim_mm, depth_mm) = (5.0, 0.005, 1e-3);
+    for [a_over_h, compressible, incompressible] in [hayes::KAPPA[2], hayes::KAPPA[3]] {
+        for (poisson, kappa) in [(0.45, compressible), (0.5, incompressible)] {
+            let height_mm = radius_mm / a_over_h;
+            let setup = Setup {
+                kinematics: Kinematics::Axisymmetric,
+                pressure: PressureOrder::Linear,
+                phantom: PhantomMesh {
+                    shape: PhantomShape::Cylinder { radius_mm: radius_mm + 8.0 * height_mm, height_mm },
+                    inclusions: Vec::new(),
+                    footprint: Footprint::Round { radius_mm },
+                    symmetry: [true, true],
+                    resolution: Resolution::PLANE.halved(),
+                },
+                phantom_materials: vec![Material::linear(5.0, poisson).unwrap()],
+                sensor: SensorBody::Rigid { edge_radius_mm: rim_mm },
+                grip: Grip::Frictionless,
+                load: Load::Depths(vec![depth_mm]),
+                seconds_per_mm: None,
+                hold_s: 0.0,
+            };
+            let pressed = press(&setup, PressSettings::default(), &mut |_| true).unwrap();
+            let sharp_n = 1e-3 * 2.0 * 5.0 * radius_mm * depth_mm * kappa / (1.0 - poisson * poisson);
+            let off = pressed.steps[0].force_n / sharp_n - 1.0;
+            // The face in contact is at least the flat part; the force grows as the cube of its radius at most.
+            let least = (1.0 - rim_mm / radius_mm).powi(3) - 1.0;
+            assert!(least - 1e-3 < off && off < 1e-3, "a/h {a_over_h}, nu {poisson}: {off:.1e}, at least {least:.1e}");
+        }
     }
 }

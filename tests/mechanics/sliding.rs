@@ -16,7 +16,16 @@ fn soft() -> Material {
 }
 
 fn resolution(edge_mm: f64, contact_mm: f64, coarsest_mm: f64) -> Resolution {
-    Resolution { edge_mm, contact_mm, coarsest_mm, growth: 0.7, rim_mm: 0.0, inclusion_divisions: 2.0, subdivision: 1 }
+    Resolution {
+        edge_mm,
+        contact_mm,
+        coarsest_mm,
+        growth: 0.7,
+        rim_mm: 0.0,
+        rim_divisions: 1.0,
+        inclusion_divisions: 2.0,
+        subdivision: 1,
+    }
 }
 
 /// A body on its base, which moves down by `depth`, against a rigid profile; no friction. All of its face may touch.

@@ -63,10 +63,11 @@ impl Climb<'_> {
     fn press_failure(&self, error: PressError) -> Failure {
         match error {
             PressError::Stopped { cause: PathError::Stopped, .. } => Failure::cancelled(),
-            PressError::Stopped { cause, .. } => {
-                Failure::failed(format!("{}: {cause}", self.file.display())).in_file(self.file)
+            error => {
+                let words = format!("{}: {error}", self.file.display());
+                let stopped = matches!(error, PressError::Stopped { .. });
+                if stopped { Failure::failed(words) } else { Failure::input(words) }.in_file(self.file)
             }
-            error => Failure::input(format!("{}: {error}", self.file.display())).in_file(self.file),
         }
     }
 

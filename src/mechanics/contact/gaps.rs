@@ -1,8 +1,9 @@
 //! The constraints of a contact at some state.
 
-use super::meeting::{Surface, along_face};
+use super::meeting::{Meeting, Surface, along_face};
 use super::project::{Face, subtract};
 use super::{Bending, Contact, Counterpart, Coupling, Grip, NodeGap};
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// How a node moves a gap: weight, weight times normal, gradient.
@@ -23,12 +24,30 @@ impl Contact {
     /// The constraints of all touched nodes, and the stiffness that the pressures `pressure` get from the bending of
     /// the gaps.
     pub fn gaps(&self, at: Positions, pressure: &[f64]) -> (Vec<NodeGap>, Bending) {
-        // Bonded faces keep the pairs that they had when they met.
-        let bonded = self.grip == Grip::Bonded;
-        let paired = if bonded { at.reference } else { at.now };
+        if self.grip == Grip::Bonded {
+            return (self.bonds(at), Bending::default());
+        }
+        self.meetings(at, pressure)
+    }
+
+    /// The constraints of bonded nodes: pairs and weights are those of the undeformed faces and are found once.
+    fn bonds(&self, at: Positions) -> Vec<NodeGap> {
+        let rest = Positions { before: at.reference, now: at.reference, ..at };
+        let mut gaps = self.bonds.get_or_init(|| self.meetings(rest, &[]).0).clone();
+        for gap in &mut gaps {
+            for (a, weight, _) in &gap.moved {
+                let [x, u] = [at.reference[*a as usize], at.now[*a as usize]];
+                (0..3).for_each(|i| gap.offset[i] += weight * (u[i] - x[i]));
+            }
+        }
+        gaps
+    }
+
+    /// Where the faces meet now, and what comes of it.
+    fn meetings(&self, at: Positions, pressure: &[f64]) -> (Vec<NodeGap>, Bending) {
         let faces: Vec<Vec<[f64; 3]>> = match &self.counterpart {
             Counterpart::Face(facets) => {
-                facets.iter().map(|nodes| nodes.iter().map(|&a| paired[a as usize]).collect()).collect()
+                facets.iter().map(|nodes| nodes.iter().map(|&a| at.now[a as usize]).collect()).collect()
             }
             Counterpart::Rigid { .. } => Vec::new(),
         };
@@ -36,32 +55,32 @@ impl Contact {
         let mut gaps: Vec<NodeGap> = vec![NodeGap::default(); self.nodes.len()];
         let mut moved: Vec<HashMap<u32, Mover>> = vec![HashMap::new(); self.nodes.len()];
         let mut stiffness: HashMap<(u32, u32), [[[f64; 3]; 3]; 2]> = HashMap::new();
-        for point in &self.points {
+        let found = self.points.par_iter().map(|point| {
+            let facet = &self.facets[point.facet];
+            let positions: Vec<[f64; 3]> = facet.iter().map(|&k| at.now[self.nodes[k as usize] as usize]).collect();
+            let sign = self.inward[point.facet];
+            let surface = Surface::at(self.kinematics.dim(), &positions, &point.shape, &point.gradient, sign);
+            self.meet(&face, &surface, &point.gradient)
+        });
+        let found: Vec<Option<Meeting>> = found.collect();
+        for (point, meeting) in self.points.iter().zip(found) {
+            let Some(meeting) = meeting else { continue };
             let facet = &self.facets[point.facet];
             let own: Vec<u32> = facet.iter().map(|&k| self.nodes[k as usize]).collect();
             let touched = |positions: &[[f64; 3]]| combine(positions, &own, &point.shape);
-            let positions: Vec<[f64; 3]> = own.iter().map(|&a| paired[a as usize]).collect();
-            let sign = self.inward[point.facet];
-            let surface = Surface::at(self.kinematics.dim(), &positions, &point.shape, &point.gradient, sign);
-            let Some(meeting) = self.meet(&face, &surface, &point.gradient) else {
-                continue;
-            };
             let apart = |positions: &[[f64; 3]]| {
                 subtract(touched(positions), combine(positions, meeting.nodes, &meeting.value))
             };
-            let offset = if bonded {
-                subtract(apart(at.now), apart(at.reference))
-            } else {
-                along_face(subtract(apart(at.now), apart(at.before)), meeting.normal, self.kinematics.dim() - 1)
-            };
+            let slip = subtract(apart(at.now), apart(at.before));
+            let slip = along_face(slip, meeting.normal, self.kinematics.dim() - 1);
             let mut load = 0.0;
             for (&k, &hat) in facet.iter().zip(&point.hat).filter(|(_, hat)| **hat != 0.0) {
                 let (gap, weight) = (&mut gaps[k as usize], hat * point.weight);
-                load += weight * pressure[k as usize].max(0.0);
+                load += weight * pressure.get(k as usize).map_or(0.0, |p| p.max(0.0));
                 gap.area += weight;
                 gap.gap += weight * meeting.gap;
                 for i in 0..3 {
-                    gap.offset[i] += weight * offset[i];
+                    gap.offset[i] += weight * slip[i];
                     gap.normal[i] += weight * meeting.normal[i];
                 }
                 let nodes = own.iter().zip(&point.shape).map(|(&a, &n)| (a, n));
@@ -77,7 +96,7 @@ impl Contact {
                     }
                 }
             }
-            if load > 0.0 && !bonded {
+            if load > 0.0 {
                 meeting.for_second(&own, &point.shape, &mut |a, b, even, odd| {
                     let entry = stiffness.entry((a, b)).or_default();
                     for (sum, second) in entry.iter_mut().zip([even, odd]) {

@@ -20,6 +20,7 @@ use super::mesh::{Facet, Mesh};
 use meeting::Surface;
 use points::{TouchPoint, radius, touch_points};
 use std::collections::HashMap;
+use std::sync::OnceLock;
 
 /// How two faces hold each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +65,8 @@ pub struct Contact {
     pub spring: Vec<f64>,
     /// -1 where the touched body lies below its face (the counterpart above), 1 where above.
     side: f64,
+    /// The constraints of bonded nodes at rest, once they were asked for.
+    bonds: OnceLock<Vec<NodeGap>>,
 }
 
 /// The constraint of one touched node at some state.
@@ -144,7 +147,18 @@ impl Contact {
             points.extend(here);
         }
         let spring = size.iter().map(|length| SPRING * shear_kpa / length).collect();
-        Self { kinematics, grip, counterpart, facets: local, nodes, points, inward, spring, side }
+        Self {
+            kinematics,
+            grip,
+            counterpart,
+            facets: local,
+            nodes,
+            points,
+            inward,
+            spring,
+            side,
+            bonds: OnceLock::new(),
+        }
     }
 
     /// Whether the counterpart is rigid.

@@ -10,9 +10,6 @@ use super::{Footprint, Mesh, MeshError, quality};
 /// Turning of the face along the arc, rad. A quarter circle would leave the rim's elements a corner of 180 degrees.
 const TURN: f64 = std::f64::consts::FRAC_PI_3;
 
-/// Elements along the arc, before they are divided.
-const DIVISIONS: f64 = 2.0;
-
 /// A rim.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fillet {
@@ -22,9 +19,9 @@ pub(super) struct Fillet {
     pub layer_mm: f64,
 }
 
-/// Largest element, before it is divided, that resolves a rim of this radius, mm.
-pub(super) fn rim_size_mm(radius_mm: f64) -> f64 {
-    radius_mm * TURN / DIVISIONS
+/// Length of the arc of a rim, mm.
+pub(super) fn rim_length_mm(radius_mm: f64) -> f64 {
+    radius_mm * TURN
 }
 
 /// Distance from the axis at which the arc of a rim begins, on a face that ends at `edge`, mm.

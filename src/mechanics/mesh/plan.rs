@@ -6,6 +6,7 @@
 
 use super::boxes::MARGIN;
 use super::builder::{Builder, between_planes, cells};
+use super::fillet::rim_start;
 use super::phantom::Layout;
 use super::{Footprint, Lines, Mesh, MeshError, PhantomMesh, PhantomShape};
 
@@ -102,8 +103,9 @@ impl PhantomMesh {
         let half = self.footprint.half_widths();
         let carried = match self.footprint {
             Footprint::Round { radius_mm } => {
-                plan.rings.truncate(1);
-                plan.rings.first().is_some_and(|ring| ring.0 == Outline::Circle(radius_mm))
+                let edge = plan.rings.iter().position(|ring| ring.0 == Outline::Circle(radius_mm));
+                plan.rings.truncate(edge.map_or(0, |edge| edge + 1));
+                edge.is_some()
             }
             Footprint::Rectangle { .. } => {
                 plan.rings.clear();
@@ -168,9 +170,13 @@ impl PhantomMesh {
             let width = reach[1].clamp(least, most);
             (reach[0] <= most).then_some(shape.map(|share| share * width))
         };
-        let around = if round && foot[0] < half[0].min(half[1]) { core(foot[0]) } else { None };
+        // The circle where the rim's arc begins, and that where it ends.
+        let start = rim_start(self.resolution.rim_mm, foot[0]);
+        let around = if round && foot[0] < half[0].min(half[1]) { core(start) } else { None };
         if let Some(core) = around {
-            return Ok((core, vec![Outline::Circle(foot[0]), outer]));
+            let mut outlines = vec![Outline::Circle(start), Outline::Circle(foot[0]), outer];
+            outlines.dedup();
+            return Ok((core, outlines));
         }
         match outer {
             Outline::Rectangle(_) => Ok((half, Vec::new())),

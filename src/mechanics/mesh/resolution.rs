@@ -2,7 +2,7 @@
 
 use super::MeshError;
 use super::error::positive;
-use super::fillet::rim_size_mm;
+use super::fillet::rim_length_mm;
 
 /// Sizes of elements; `subdivision` divides all of them, so that 1, 2, 3, ... is a ladder of nested meshes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,8 @@ pub struct Resolution {
     pub growth: f64,
     /// Radius of the rim of what presses, mm, whose arc the lines meet and resolve; 0 where it is sharp.
     pub rim_mm: f64,
+    /// Elements along that arc.
+    pub rim_divisions: f64,
     /// Elements along half a side of an inclusion's box.
     pub inclusion_divisions: f64,
     /// Each of the elements above, along each axis.
@@ -31,6 +33,7 @@ impl Resolution {
         coarsest_mm: 3.0,
         growth: 0.3,
         rim_mm: 0.0,
+        rim_divisions: 2.0,
         inclusion_divisions: 4.0,
         subdivision: 2,
     };
@@ -44,6 +47,7 @@ impl Resolution {
         coarsest_mm: 4.5,
         growth: 0.45,
         rim_mm: 0.0,
+        rim_divisions: 1.0,
         inclusion_divisions: 4.0,
         subdivision: 1,
     };
@@ -58,6 +62,7 @@ impl Resolution {
             contact_mm: 2.0 * self.contact_mm,
             coarsest_mm: 2.0 * self.coarsest_mm,
             growth: 2.0 * self.growth,
+            rim_divisions: 0.5 * self.rim_divisions,
             inclusion_divisions: 0.5 * self.inclusion_divisions,
             ..self
         }
@@ -70,14 +75,18 @@ impl Resolution {
 
     /// The same mesh with elements that resolve a rim of this radius.
     pub fn with_rim(self, rim_mm: f64) -> Self {
-        let edge_mm = if rim_mm > 0.0 { self.edge_mm.min(rim_size_mm(rim_mm)) } else { self.edge_mm };
-        Self { edge_mm, rim_mm, ..self }
+        let arc = if rim_mm > 0.0 { rim_length_mm(rim_mm) / self.rim_divisions } else { f64::INFINITY };
+        Self { edge_mm: self.edge_mm.min(arc), rim_mm, ..self }
     }
 
     /// The same mesh with elements of 1 / `fineness` times the size, as near as whole numbers come.
     pub fn finer(self, fineness: f64) -> Self {
-        let scaled = self.scaled(1.0 / fineness);
-        Self { growth: self.growth / fineness, inclusion_divisions: self.inclusion_divisions * fineness, ..scaled }
+        Self {
+            growth: self.growth / fineness,
+            rim_divisions: self.rim_divisions * fineness,
+            inclusion_divisions: self.inclusion_divisions * fineness,
+            ..self.scaled(1.0 / fineness)
+        }
     }
 
     /// The same mesh of a body `factor` times as large.
@@ -96,6 +105,7 @@ impl Resolution {
         positive("the element size in the contact", self.contact_mm)?;
         positive("the largest element size", self.coarsest_mm)?;
         positive("the growth of elements", self.growth)?;
+        positive("the divisions of the rim", self.rim_divisions)?;
         positive("the divisions of an inclusion", self.inclusion_divisions)?;
         positive("the subdivision of elements", self.subdivision as f64)?;
         Ok(())

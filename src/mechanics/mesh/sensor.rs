@@ -39,11 +39,7 @@ impl SensorMesh {
         let base = heights.0.first().copied().unwrap_or(0.0);
         let mut builder = Builder::new(2);
         builder.add_grid(&[lines, heights], |cell| regions.get(cell[1]).copied())?;
-        let mut mesh = builder.finish(between_planes(2, 0.0, base, self.symmetry))?;
-        if let Some(fillet) = self.fillet() {
-            fillet.round(&mut mesh, self.footprint)?;
-        }
-        Ok(mesh)
+        self.rounded(builder.finish(between_planes(2, 0.0, base, self.symmetry))?)
     }
 
     /// The mesh of hexahedra, as [`Self::build_2d`].
@@ -62,7 +58,7 @@ impl SensorMesh {
         plan.add_sectors(&mut builder, &heights, &regions)?;
         let [x, y] = plan.core;
         builder.add_grid(&[x, y, heights], |cell| regions.get(cell[2]).copied())?;
-        builder.finish(between_planes(3, 0.0, base, self.symmetry))
+        self.rounded(builder.finish(between_planes(3, 0.0, base, self.symmetry))?)
     }
 
     /// The same sensor with elements of twice the size.
@@ -70,9 +66,12 @@ impl SensorMesh {
         Self { resolution: self.resolution.halved(), ..self.clone() }
     }
 
-    fn fillet(&self) -> Option<Fillet> {
-        let layer_mm = self.layers_mm.last().copied()?;
-        (self.edge_radius_mm > 0.0).then_some(Fillet { radius_mm: self.edge_radius_mm, layer_mm })
+    /// The mesh with its rim rounded.
+    fn rounded(&self, mut mesh: Mesh) -> Result<Mesh, MeshError> {
+        if let (true, Some(&layer_mm)) = (self.edge_radius_mm > 0.0, self.layers_mm.last()) {
+            Fillet { radius_mm: self.edge_radius_mm, layer_mm }.round(&mut mesh, self.footprint)?;
+        }
+        Ok(mesh)
     }
 
     /// A body of the sensor's own outline, pressed all over, for its lines.

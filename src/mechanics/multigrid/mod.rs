@@ -1,7 +1,7 @@
 //! Multigrid for the stiffness of triquadratic hexahedra: an approximate inverse whose cost grows as the unknowns do.
 //!
-//! Three levels: all nodes; the corners of the elements, with trilinear functions between them; aggregates of these that
-//! move as rigid bodies, solved directly. Smoothing is Chebyshev's over the diagonal blocks, all in single precision.
+//! Three levels: all nodes; the corners of the elements, with trilinear functions between them; aggregates of these
+//! that move as rigid bodies, solved directly. Smoothing is Chebyshev's over the diagonal blocks, in single precision.
 //! It wants a stiffness that is not nearly incompressible.
 
 mod aggregates;

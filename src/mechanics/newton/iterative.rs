@@ -16,8 +16,8 @@ use rayon::prelude::*;
 
 /// Bulk modulus in the displacements' block, in shear moduli.
 pub(super) const BULK: f64 = 2.0;
-/// Spring of contacts there, in springs as stiff as the body: with few, tractions at the edge of a tied face are slow to
-/// be found.
+/// Spring of contacts there, in springs as stiff as the body: with few, tractions at the edge of a tied face are slow
+/// to be found.
 pub(super) const CONTACT: f64 = 128.0;
 /// Residual that is left of a step's, as a share of it: at first, at the least and at the most; and most directions.
 /// In between it is this share of the square of Newton's own progress (Eisenstat and Walker, SIAM J. Sci. Comput. 17,

@@ -45,10 +45,6 @@ impl Assembly {
         let mut mesh = phantom;
         let (facets, counterpart, side) = match &setup.sensor {
             SensorBody::Rigid { edge_radius_mm } => rigid(setup, &mesh, *edge_radius_mm)?,
-            SensorBody::Layers { edge_radius_mm, .. } if !flat && *edge_radius_mm > 0.0 => {
-                let message = "the rim of a soft sensor is rounded in two dimensions only; use edge_radius_mm = 0";
-                return Err(PressError::Unsupported(message.into()));
-            }
             SensorBody::Layers { layers, edge_radius_mm } => {
                 let sensor = SensorMesh {
                     footprint: setup.phantom.footprint,
@@ -78,8 +74,8 @@ impl Assembly {
                 let pair = if setup.grip == Grip::Bonded || !flat {
                     (touched, Counterpart::Face(nodes(&face)), -1.0)
                 } else {
-                    // The softer face carries the pressure, and may wrap around the sensor's rim. In three dimensions,
-                    // where elements do not resolve a rim, the smaller face carries it: it costs less.
+                    // The softer face carries the pressure, and may wrap around the sensor's rim. In three dimensions
+                    // the smaller face carries it: it costs less.
                     let all = [touched, of_sensor(Boundary::Side)].concat();
                     (face, Counterpart::Face(nodes(&all)), 1.0)
                 };

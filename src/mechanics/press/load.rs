@@ -56,7 +56,7 @@ fn hold(solver: &mut Solver, state: &State, seconds: f64) -> Result<State, PathE
 
 /// Force of the contact along z, N.
 fn force_n(problem: &Problem, state: &State, copies: f64) -> f64 {
-    contact_points(problem, 0, state).iter().map(|point| point.force_mn).sum::<f64>() * copies * 1e-3
+    contact_points(problem, state).iter().map(|point| point.force_mn).sum::<f64>() * copies * 1e-3
 }
 
 /// The depth at which the contact bears a force: secant steps, kept inside a bracket once there is one.

@@ -70,15 +70,23 @@ impl Setup {
         setup
     }
 
+    /// Whether it is a press [without inclusions](Self::without_inclusions) of a phantom that has some.
+    pub fn is_baseline(&self) -> bool {
+        let inclusions = self.phantom_materials.iter().skip(1);
+        inclusions.len() > 0 && inclusions.into_iter().all(|material| Some(material) == self.phantom_materials.first())
+    }
+
     /// The phantom, with elements at the contact's edge that resolve the rim.
     pub fn body(&self) -> PhantomMesh {
-        let mut body = self.phantom.clone();
-        if let SensorBody::Layers { edge_radius_mm, .. } = &self.sensor
-            && *edge_radius_mm > 0.0
-        {
-            body.resolution = body.resolution.with_rim(*edge_radius_mm);
+        PhantomMesh { resolution: self.phantom.resolution.with_rim(self.rim_mm()), ..self.phantom.clone() }
+    }
+
+    /// Radius of the rim that the mesh resolves, mm.
+    fn rim_mm(&self) -> f64 {
+        match self.sensor {
+            SensorBody::Rigid { .. } if self.grip == Grip::Bonded => 0.0,
+            SensorBody::Rigid { edge_radius_mm } | SensorBody::Layers { edge_radius_mm, .. } => edge_radius_mm,
         }
-        body
     }
 
     /// Largest distance of the touched face's outline from the axis, mm; the half width along x of a rectangle.

@@ -17,6 +17,7 @@ const COARSE: Resolution = Resolution {
     coarsest_mm: 9.0,
     growth: 1.0,
     rim_mm: 0.0,
+    rim_divisions: 1.0,
     inclusion_divisions: 1.0,
     subdivision: 1,
 };
@@ -111,13 +112,14 @@ fn assert_forces_balance(pressed: &Pressed) {
 
 #[test]
 fn the_quarter_agrees_with_axisymmetry_within_a_percent() {
-    for (ball, soft) in [(false, false), (true, true)] {
+    for (ball, soft, rim) in [(false, false, 0.5), (true, true, 0.0), (true, true, 0.5)] {
         let balls = if ball { vec![sphere([0.0, 0.0, 9.0], 4.0)] } else { Vec::new() };
         let mut setup = soft_press(linear, balls, [true, true]);
         let coarse = Resolution { edge_mm: 1.4, contact_mm: 3.0, coarsest_mm: 6.0, growth: 0.7, ..Resolution::SOLID };
         setup.phantom.resolution = coarse;
-        if !soft {
-            setup.sensor = SensorBody::Rigid { edge_radius_mm: 0.5 };
+        match &mut setup.sensor {
+            SensorBody::Layers { edge_radius_mm, .. } if soft => *edge_radius_mm = rim,
+            sensor => *sensor = SensorBody::Rigid { edge_radius_mm: rim },
         }
         let solid = run(&setup);
         setup.kinematics = Kinematics::Axisymmetric;

@@ -8,8 +8,6 @@ use crate::scene::{
 
 /// Depths or forces of a press; each is at least one solve.
 const MAX_LEVELS: usize = 100;
-/// Largest radius of the rim, as a share of the touched face's half width.
-const LARGEST_EDGE: f64 = 1.0 / 3.0;
 /// Room for rounding where two outlines touch, mm.
 const TOUCHING_MM: f64 = 1e-9;
 
@@ -176,11 +174,10 @@ fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), 
 /// The rim's radius fits the touched face and the layer that carries it.
 fn edge(press: &Press, stack: &Stack) -> Result<(), Invalid> {
     let key = "press.edge_radius_mm";
-    let (radius, rigid) = (press.edge_radius_mm(), press.sensor == PressedSensor::Rigid);
+    let (radius, rigid) = (press.edge_radius_mm(stack), press.sensor == PressedSensor::Rigid);
     let allowed = if rigid && press.interface != Interface::Tied { POSITIVE } else { NOT_NEGATIVE };
     number(key, radius, allowed, 0.5)?;
-    let [x, y] = press.face(stack).half_widths_mm();
-    let room = x.min(y) * LARGEST_EDGE;
+    let room = press.largest_edge_radius_mm(stack);
     if radius > room {
         let message = format!("must be at most {room:.3}, a third of the touched face's half width, is {radius}");
         return Err(Invalid::new(key, message));

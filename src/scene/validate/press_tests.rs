@@ -224,7 +224,7 @@ fn a_rim_fits_the_face_and_the_layer_that_carries_it() {
         let mut scene = preset(SCENE).unwrap().scene;
         let press = scene.press.as_mut().unwrap();
         (press.edge_radius_mm, press.sensor, press.interface) = (edge_radius_mm, sensor, interface);
-        let radius = press.edge_radius_mm();
+        let radius = press.clone().edge_radius_mm(&scene.stack);
         validate(&scene).map(|()| radius).map_err(|broken| {
             assert_eq!(broken.key, "press.edge_radius_mm");
             broken.message

@@ -34,6 +34,7 @@ const RESOLUTION: Resolution = Resolution {
     coarsest_mm: 5.0,
     growth: 0.5,
     rim_mm: 0.0,
+    rim_divisions: 1.0,
     inclusion_divisions: 4.0,
     subdivision: 2,
 };

@@ -12,6 +12,7 @@ const COARSE: Resolution = Resolution {
     coarsest_mm: 8.0,
     growth: 0.6,
     rim_mm: 0.0,
+    rim_divisions: 1.0,
     inclusion_divisions: 3.0,
     subdivision: 1,
 };
