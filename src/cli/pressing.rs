@@ -27,8 +27,7 @@ pub(super) struct Wanted {
 
 /// Presses, showing how far it is. Ctrl-C stops it.
 pub(super) fn press_scene(loaded: &LoadedScene, file: &Path, wanted: Wanted) -> Result<Pressed, PressFailure> {
-    let mistake = |error: &PressError| Failure::input(format!("{}: {error}", file.display())).in_file(file);
-    let setup = press_setup(loaded).map_err(|error| PressFailure::whole(mistake(&error)))?;
+    let setup = press_setup(loaded).map_err(|error| PressFailure::of(error, file))?;
     let setup = if wanted.without_inclusions { setup.without_inclusions() } else { setup };
     let setup = if wanted.coarse { sketch(&setup) } else { setup };
     let asked = loaded.scene.press.as_ref().is_some_and(|press| press.estimate_error);
@@ -39,18 +38,7 @@ pub(super) fn press_scene(loaded: &LoadedScene, file: &Path, wanted: Wanted) -> 
         !cancel::requested()
     });
     drop(progress);
-    pressed.map_err(|error| match error {
-        PressError::Stopped { cause: PathError::Stopped, .. } => PressFailure::whole(Failure::cancelled()),
-        error => {
-            let words = format!("{}: {error}", file.display());
-            match error {
-                PressError::Stopped { reached, .. } => {
-                    PressFailure { failure: Failure::failed(words).in_file(file), reached: Some(reached) }
-                }
-                _ => PressFailure::whole(Failure::input(words).in_file(file)),
-            }
-        }
-    })
+    pressed.map_err(|error| PressFailure::of(error, file))
 }
 
 /// The same press on elements of twice the size; in three dimensions on larger ones still, until it takes a moment.
@@ -74,7 +62,7 @@ pub(super) fn press_cost(loaded: &LoadedScene, file: &Path) -> Result<Option<Cos
         Err(PressError::NoPress) => return Ok(None),
         setup => setup.and_then(|setup| Cost::of(&setup, None)),
     };
-    cost.map(Some).map_err(|error| Failure::input(format!("{}: {error}", file.display())).in_file(file))
+    cost.map(Some).map_err(|error| PressFailure::of(error, file).failure)
 }
 
 /// How linear systems are solved, in words.
@@ -92,8 +80,17 @@ pub(super) struct PressFailure {
 }
 
 impl PressFailure {
-    fn whole(failure: Failure) -> Self {
-        Self { failure, reached: None }
+    /// What a scene's press says, with the scene's file.
+    pub fn of(error: PressError, file: &Path) -> Self {
+        let words = format!("{}: {error}", file.display());
+        let (failure, reached) = match error {
+            PressError::Stopped { cause: PathError::Stopped, .. } => {
+                return Self { failure: Failure::cancelled(), reached: None };
+            }
+            PressError::Stopped { reached, .. } => (Failure::failed(words), Some(reached)),
+            _ => (Failure::input(words), None),
+        };
+        Self { failure: failure.in_file(file), reached }
     }
 }
 

@@ -117,13 +117,10 @@ fn divided(depths: &[f64], count: usize) -> Vec<f64> {
 pub fn run(setup: &Setup, observe: &mut dyn FnMut(PressStage) -> bool) -> Result<Found, PressError> {
     let (pressed, stopped) = match press(setup, PressSettings::default(), observe) {
         Ok(pressed) => (pressed, None),
-        Err(PressError::Stopped { cause: PathError::Stopped, reached }) => {
-            return Err(PressError::Stopped { cause: PathError::Stopped, reached });
-        }
         Err(error) => {
             let words = error.to_string();
             match error {
-                PressError::Stopped { reached, .. } => (*reached, Some(words)),
+                PressError::Stopped { cause, reached } if cause != PathError::Stopped => (*reached, Some(words)),
                 error => return Err(error),
             }
         }

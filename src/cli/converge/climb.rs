@@ -3,12 +3,12 @@
 use super::Only;
 use super::records::Records;
 use crate::cli::facts::figure;
+use crate::cli::pressing::PressFailure;
 use crate::cli::{Failure, Progress, cancel};
 use crate::converge::light::{Choice, LightError, Subject};
 use crate::converge::mechanics::{self, Found as PressFound};
 use crate::converge::{Rung, is_lit};
 use crate::mechanics::from_scene::press_setup;
-use crate::mechanics::path::PathError;
 use crate::mechanics::press::{Load, PressError, PressSettings, Pressed, press};
 use crate::scene::LoadedScene;
 use crate::trace::Settings;
@@ -61,14 +61,7 @@ impl Climb<'_> {
     }
 
     fn press_failure(&self, error: PressError) -> Failure {
-        match error {
-            PressError::Stopped { cause: PathError::Stopped, .. } => Failure::cancelled(),
-            error => {
-                let words = format!("{}: {error}", self.file.display());
-                let stopped = matches!(error, PressError::Stopped { .. });
-                if stopped { Failure::failed(words) } else { Failure::input(words) }.in_file(self.file)
-            }
-        }
+        PressFailure::of(error, self.file).failure
     }
 
     fn mechanics(&self, records: &Records, rungs: &mut Vec<Rung>) -> Result<Result<String, String>, Failure> {

@@ -1,4 +1,4 @@
-//! Why a press did not come to its end, and what would help.
+//! Why a press did not come to its end, and what may help.
 
 use super::{Pressed, SensorBody, Setup};
 use crate::mechanics::material::MaterialError;
@@ -55,16 +55,18 @@ pub enum PressError {
     },
 }
 
-/// Which press stopped where, why, and what would help.
+/// Which press stopped where, why, and what may help.
 fn stopped(cause: &PathError, reached: &Pressed) -> String {
     let setup = &reached.setup;
     let which = if setup.is_baseline() { "the phantom without its inclusions" } else { "the phantom" };
     match cause {
         PathError::Stuck { reached, target, cause } => {
             let help = if cause.is_too_large() { "a smaller press.resolution" } else { help(setup) };
-            format!("the press of {which} stops at {reached:.3} of {target} mm: {cause}; {help} would help")
+            format!("the press of {which} stops at {reached:.3} of {target} mm: {cause}; {help} may help")
         }
-        PathError::Hold { load, cause } => format!("the press of {which}, held at {load} mm, does not settle: {cause}"),
+        PathError::Hold { load, cause } => {
+            format!("the press of {which}, held at {load:.3} mm, does not settle: {cause}")
+        }
         PathError::NoForce { .. } | PathError::Stopped => format!("the press of {which}: {cause}"),
     }
 }
@@ -87,7 +89,7 @@ mod tests {
     use crate::scene::preset;
 
     #[test]
-    fn a_press_that_stops_says_which_where_and_what_would_help() {
+    fn a_press_that_stops_says_which_where_and_what_may_help() {
         let stopped = |without_inclusions: bool, edge_radius_mm: f64, cause: StepError| {
             let mut loaded = preset("phantom-size-8mm").unwrap();
             let scene_press = loaded.scene.press.as_mut().unwrap();
@@ -102,14 +104,14 @@ mod tests {
         assert_eq!(
             stopped(false, 0.5, StepError::InsideOut),
             "the press of the phantom stops at 3.414 of 3.8 mm: an element turns inside out; a smaller load or another \
-             press.resolution would help"
+             press.resolution may help"
         );
         assert_eq!(
             stopped(true, 0.0, StepError::InsideOut),
             "the press of the phantom without its inclusions stops at 3.414 of 3.8 mm: an element turns inside out; a \
-             rounder rim (press.edge_radius_mm) or a smaller load would help"
+             rounder rim (press.edge_radius_mm) or a smaller load may help"
         );
         let said = stopped(false, 0.5, StepError::Sparse(SparseError::TooLarge));
-        assert!(said.ends_with("; a smaller press.resolution would help"), "{said}");
+        assert!(said.ends_with("; a smaller press.resolution may help"), "{said}");
     }
 }
