@@ -204,7 +204,7 @@ fn hertz(rung: usize, nu: f64) -> Result<(Mesh, Value)> {
     let iterations = solver.iterations;
     drop(solver);
     let seconds = start.elapsed().as_secs_f64();
-    let points = contact_points(&problem, &state);
+    let points = contact_points(&problem, 0, &state);
     let rows: Vec<[f64; 2]> = points.iter().map(|point| [point.reference_mm[0], point.pressure_kpa]).collect();
     let modulus = 1.0 / (1.0 - nu * nu);
     let figures = json!({

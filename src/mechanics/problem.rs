@@ -105,9 +105,10 @@ impl Problem {
         held.iter().filter(|h| !**h).count()
     }
 
-    /// Whether faces can slide on each other.
+    /// Whether faces can slide on each other, and none are bonded.
     pub fn slides(&self) -> bool {
-        self.contacts.iter().any(|contact| contact.grip != Grip::Bonded && !contact.is_rigid())
+        let slides = |contact: &Contact| contact.grip != Grip::Bonded && !contact.is_rigid();
+        self.contacts.iter().any(slides) && self.contacts.iter().all(|contact| contact.grip != Grip::Bonded)
     }
 
     /// Whether faces rub against each other.

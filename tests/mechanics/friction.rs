@@ -185,7 +185,7 @@ fn a_flat_punch_pressed_down_sticks_in_its_middle() {
         let mut problem = rubbing(Kinematics::Axisymmetric, mesh, 1.0, Profile::Flat, material, friction);
         problem.supports = on_a_base(&problem.mesh, far, -1e-4);
         let solved = Solved::new(problem, &[1.0]).unwrap();
-        let points = contact_points(&solved.problem, &solved.state);
+        let points = contact_points(&solved.problem, 0, &solved.state);
         let slips = points.iter().filter(|p| p.shear_kpa > friction * p.pressure_kpa * (1.0 - 1e-6));
         let found = slips.map(|p| p.reference_mm[0]).fold(1.0, f64::min);
         // Nodes are half an element apart, and the first that slips is at most one beyond c.
@@ -227,7 +227,7 @@ fn a_ball_rubs_at_any_friction_and_nowhere_more_than_coulomb_allows() {
         problem.supports = on_a_base(&problem.mesh, 6.0 * radius, -0.5 * radius);
         let solved = Solved::new(problem, &[1.0]).unwrap();
         assert!(solved.iterations < 80, "{friction}: {} iterations", solved.iterations);
-        let points = contact_points(&solved.problem, &solved.state);
+        let points = contact_points(&solved.problem, 0, &solved.state);
         let force: f64 = points.iter().map(|point| point.force_mn).sum();
         if friction == 0.0 {
             sliding = force;

@@ -27,7 +27,7 @@ fn pressed(assembly: &Assembly, method: Method) -> (State, f64, f64) {
     let mut solver = Solver::new(&assembly.problem, method);
     let start = assembly.problem.start();
     let state = solver.step(&start, &start, 0.5, true).unwrap();
-    let force = contact_points(&assembly.problem, &state).iter().map(|point| point.force_mn).sum();
+    let force = contact_points(&assembly.problem, 0, &state).iter().map(|point| point.force_mn).sum();
     (state, force, solver.cycles as f64 / solver.iterations as f64)
 }
 

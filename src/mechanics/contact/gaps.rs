@@ -33,7 +33,7 @@ impl Contact {
     /// The constraints of bonded nodes: pairs and weights are those of the undeformed faces and are found once.
     fn bonds(&self, at: Positions) -> Vec<NodeGap> {
         let rest = Positions { before: at.reference, now: at.reference, ..at };
-        let mut gaps = self.bonds.get_or_init(|| self.meetings(rest, &[]).0).clone();
+        let mut gaps = self.bonds.get_or_init(|| self.meetings(rest, &vec![0.0; self.nodes.len()]).0).clone();
         for gap in &mut gaps {
             for (a, weight, _) in &gap.moved {
                 let [x, u] = [at.reference[*a as usize], at.now[*a as usize]];
@@ -76,7 +76,7 @@ impl Contact {
             let mut load = 0.0;
             for (&k, &hat) in facet.iter().zip(&point.hat).filter(|(_, hat)| **hat != 0.0) {
                 let (gap, weight) = (&mut gaps[k as usize], hat * point.weight);
-                load += weight * pressure.get(k as usize).map_or(0.0, |p| p.max(0.0));
+                load += weight * pressure[k as usize].max(0.0);
                 gap.area += weight;
                 gap.gap += weight * meeting.gap;
                 for i in 0..3 {

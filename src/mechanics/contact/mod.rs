@@ -64,7 +64,7 @@ pub struct Contact {
     /// Spring of the tangent at each touched node, kPa per mm.
     pub spring: Vec<f64>,
     /// -1 where the touched body lies below its face (the counterpart above), 1 where above.
-    side: f64,
+    pub side: f64,
     /// The constraints of bonded nodes at rest, once they were asked for.
     bonds: OnceLock<Vec<NodeGap>>,
 }

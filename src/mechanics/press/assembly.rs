@@ -10,7 +10,8 @@ use std::collections::HashSet;
 /// A press as a problem; the load factor is the motion of the phantom's base in mm.
 #[derive(Debug, Clone)]
 pub struct Assembly {
-    /// The problem, with one contact.
+    /// The problem. Its first contact is that of the touched face; where a soft sensor is tied, a second one is that of
+    /// the face around it with the sensor's side wall.
     pub problem: Problem,
     /// Nodes of the phantom; the sensor's come after them.
     pub phantom_nodes: usize,
@@ -43,7 +44,8 @@ impl Assembly {
         let mut bodies = vec![phantom.clone()];
         let mut supports = supports(&phantom, 0, setup.kinematics, Boundary::Base, -1.0);
         let mut mesh = phantom;
-        let (facets, counterpart, side) = match &setup.sensor {
+        let mut wall = None;
+        let pair = match &setup.sensor {
             SensorBody::Rigid { edge_radius_mm } => rigid(setup, &mesh, *edge_radius_mm)?,
             SensorBody::Layers { layers, edge_radius_mm } => {
                 let sensor = SensorMesh {
@@ -69,26 +71,36 @@ impl Assembly {
                     let facets = sensor.boundary_facets(boundary).into_iter();
                     facets.map(|facet| Facet { element: facet.element + first, ..facet }).collect::<Vec<Facet>>()
                 };
+                let (touched, side) = (of_sensor(Boundary::Touched), of_sensor(Boundary::Side));
                 let nodes = |facets: &[Facet]| facets.iter().map(|&facet| mesh.facet_nodes(facet)).collect();
-                let touched = of_sensor(Boundary::Touched);
-                let pair = if setup.grip == Grip::Bonded || !flat {
+                let pair = if setup.grip == Grip::Bonded {
+                    // Where the bond ends the face folds up, and meets the sensor's side wall.
+                    let beyond: Vec<Facet> = face.iter().copied().filter(|&f| !covered(setup, &mesh, f)).collect();
+                    if !beyond.is_empty() {
+                        wall = Some((beyond, Counterpart::Face(nodes(&side)), 1.0));
+                    }
                     (touched, Counterpart::Face(nodes(&face)), -1.0)
+                } else if flat {
+                    // The softer face carries the pressure, and may wrap around the sensor's rim.
+                    (face, Counterpart::Face(nodes(&[touched, side].concat())), 1.0)
                 } else {
-                    // The softer face carries the pressure, and may wrap around the sensor's rim. In three dimensions
-                    // the smaller face carries it: it costs less.
-                    let all = [touched, of_sensor(Boundary::Side)].concat();
-                    (face, Counterpart::Face(nodes(&all)), 1.0)
+                    // In three dimensions the smaller face carries it: it costs less.
+                    (touched, Counterpart::Face(nodes(&face)), -1.0)
                 };
                 bodies.push(sensor);
                 pair
             }
         };
         let shear = face_shear_kpa(setup);
-        let contact = Contact::new(setup.kinematics, &mesh, &facets, counterpart, setup.grip, shear, side);
+        let contact = |(facets, counterpart, side): (Vec<Facet>, Counterpart, f64), grip: Grip| {
+            Contact::new(setup.kinematics, &mesh, &facets, counterpart, grip, shear, side)
+        };
+        let wall = wall.map(|pair| contact(pair, Grip::Frictionless));
+        let contacts = std::iter::once(contact(pair, setup.grip)).chain(wall).collect();
         let problem = Problem {
             pressure: setup.pressure,
             supports,
-            contacts: vec![contact],
+            contacts,
             seconds_per_load: setup.seconds_per_mm,
             ..Problem::free(setup.kinematics, mesh, materials)
         };

@@ -1,7 +1,7 @@
 //! Pressures, gaps and displacements of the touched face.
 
-use crate::mechanics::contact::{Contact, Grip, Positions};
-use crate::mechanics::problem::{Problem, State, Traction};
+use crate::mechanics::contact::{Grip, Positions};
+use crate::mechanics::problem::{Problem, State};
 
 /// A node of the touched face.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -24,47 +24,18 @@ pub struct ContactPoint {
     pub area_mm2: f64,
 }
 
-/// The nodes of all contacts in a state, by x (or r), then y. A node that two contacts share is one point.
-pub fn contact_points(problem: &Problem, state: &State) -> Vec<ContactPoint> {
-    let mut points: Vec<ContactPoint> =
-        problem.contacts.iter().zip(&state.traction).flat_map(|pair| points_of(problem, state, pair)).collect();
-    points.sort_by(|a, b| {
-        let [p, q] = [a, b].map(|point| point.reference_mm);
-        p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])).then(a.node.cmp(&b.node))
-    });
-    points.dedup_by(|next, point| {
-        let same = next.node == point.node;
-        if same {
-            *point = together(point, next);
-        }
-        same
-    });
-    points
-}
-
-/// Two shares of one node's face as one.
-fn together(a: &ContactPoint, b: &ContactPoint) -> ContactPoint {
-    let area_mm2 = a.area_mm2 + b.area_mm2;
-    let mean = |a_has: f64, b_has: f64| {
-        if area_mm2 > 0.0 { (a_has * a.area_mm2 + b_has * b.area_mm2) / area_mm2 } else { 0.0 }
+/// The nodes of a contact in a state, by x (or r), then y.
+pub fn contact_points(problem: &Problem, contact: usize, state: &State) -> Vec<ContactPoint> {
+    let Some((contact, traction)) = problem.contacts.get(contact).zip(state.traction.get(contact)) else {
+        return Vec::new();
     };
-    ContactPoint {
-        pressure_kpa: mean(a.pressure_kpa, b.pressure_kpa),
-        shear_kpa: mean(a.shear_kpa, b.shear_kpa),
-        gap_mm: mean(a.gap_mm, b.gap_mm),
-        force_mn: a.force_mn + b.force_mn,
-        area_mm2,
-        ..*a
-    }
-}
-
-fn points_of(problem: &Problem, state: &State, (contact, traction): (&Contact, &Vec<Traction>)) -> Vec<ContactPoint> {
     let now = problem.positions(state);
     let at = Positions { reference: &problem.mesh.nodes, before: &now, now: &now };
     let (gaps, _) = contact.gaps(at, &vec![0.0; contact.nodes.len()]);
     let present = contact.present_areas(&now);
     let up = problem.kinematics.dim() - 1;
-    gaps.iter()
+    let mut points: Vec<ContactPoint> = gaps
+        .iter()
         .zip(traction.iter().zip(&present))
         .zip(&contact.nodes)
         .map(|((gap, (traction, present)), &node)| {
@@ -82,9 +53,14 @@ fn points_of(problem: &Problem, state: &State, (contact, traction): (&Contact, &
                 pressure_kpa: pressure * stretch,
                 shear_kpa: shear.iter().map(|s| s * s).sum::<f64>().sqrt() * stretch,
                 gap_mm: if contact.grip == Grip::Bonded || gap.area == 0.0 { 0.0 } else { gap.gap / gap.area },
-                force_mn: whole[up] * gap.area * normal[up].signum(),
+                force_mn: whole[up] * gap.area * contact.side,
                 area_mm2: gap.area,
             }
         })
-        .collect()
+        .collect();
+    points.sort_by(|a, b| {
+        let [p, q] = [a, b].map(|point| point.reference_mm);
+        p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1]))
+    });
+    points
 }

@@ -54,9 +54,10 @@ fn hold(solver: &mut Solver, state: &State, seconds: f64) -> Result<State, PathE
     solver.hold(state, seconds).map_err(|cause| PathError::Hold { load: state.load, cause })
 }
 
-/// Force of the contact along z, N.
+/// Force of all contacts along z, N.
 fn force_n(problem: &Problem, state: &State, copies: f64) -> f64 {
-    contact_points(problem, state).iter().map(|point| point.force_mn).sum::<f64>() * copies * 1e-3
+    let points = (0..problem.contacts.len()).flat_map(|contact| contact_points(problem, contact, state));
+    points.map(|point| point.force_mn).sum::<f64>() * copies * 1e-3
 }
 
 /// The depth at which the contact bears a force: secant steps, kept inside a bracket once there is one.

@@ -129,7 +129,7 @@ pub(super) fn press_once(
 }
 
 fn step(setup: &Setup, assembly: &Assembly, Reached { state, force_n }: Reached) -> PressStep {
-    let points = contact_points(&assembly.problem, &state);
+    let points = contact_points(&assembly.problem, 0, &state);
     let judged = points.iter().filter(|point| is_judged(setup, point));
     let peak_pressure_kpa = judged.map(|point| point.pressure_kpa).fold(0.0, f64::max);
     PressStep { depth_mm: state.load, force_n, peak_pressure_kpa, points, state, error: None }

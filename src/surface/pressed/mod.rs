@@ -7,7 +7,6 @@ mod face;
 mod sheet;
 
 use super::{ContactMap, HeightField, Profile, Surface, SurfaceError};
-use crate::mechanics::contact::Contact;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::mesh::Footprint;
 use crate::mechanics::press::{ContactPoint, PressStep, Pressed, SensorBody};
@@ -84,11 +83,11 @@ struct PressureFace {
 
 impl PressureFace {
     fn of(pressed: &Pressed, step: &PressStep) -> Self {
-        let contacts = &pressed.assembly.problem.contacts;
+        let contact = &pressed.assembly.problem.contacts[0];
         let by_node: HashMap<u32, &ContactPoint> = step.points.iter().map(|point| (point.node, point)).collect();
         let points = |nodes: Vec<u32>| nodes.iter().filter_map(|node| by_node.get(node).copied()).collect::<Vec<_>>();
         let up = pressed.setup.kinematics.dim() - 1;
-        let facets = contacts.iter().flat_map(Contact::facets).map(points).map(|points| {
+        let facets = contact.facets().map(points).map(|points| {
             let place = |p: &&ContactPoint| {
                 let across = [0, 1].map(|i| p.reference_mm[i] + p.displacement_mm[i]);
                 [across[0], if up == 2 { across[1] } else { 0.0 }]

@@ -188,7 +188,7 @@ fn nearest(positions: &[f64], to: f64) -> usize {
 
 fn reduce(pressed: Pressed, position_mm: f64, places_mm: &[f64], keep: bool) -> Done {
     let Pressed { problem, state, iterations } = pressed;
-    let points = contact_points(&problem, &state);
+    let points = contact_points(&problem, 0, &state);
     Done {
         frame: frame(&points, position_mm, places_mm),
         force_n_per_mm: 1e-3 * points.iter().map(|point| point.force_mn).sum::<f64>(),
