@@ -1,12 +1,12 @@
 //! How often does a press of a phantom that nobody chose come to its end, and how long does it take?
 //!
 //!     cargo run --release --example any_phantom -- [--phantoms 500] [--solid] [--resolution F] [--edge-mm R] [--seed 1]
-//!                                                  [--all]
+//!                                                  [--all] [--mesh]
 //!
 //! Draws phantoms about `phantom-size-8mm`: a sphere of 4 to 14 mm and 20 to 150 kPa (log-uniform), its top 2 to 11 mm
 //! deep as far as it fits, in 3 to 10 kPa, pressed from 0.5 mm to 0.5 to 5 mm in three loads, each with and without its
 //! inclusion. With `--solid` the sphere lies up to 8 mm off the axis, at any angle about it, so that the press is one in
-//! three dimensions without a symmetry. Prints a row for each failure, then counts and times.
+//! three dimensions without a symmetry. With `--mesh` they are meshed and not pressed. Prints a row for each failure, then counts and times.
 
 use anyhow::{Context as _, Result};
 use clap::Parser;
@@ -36,6 +36,9 @@ struct Arguments {
     /// Fineness of the meshes, as `press.resolution`.
     #[arg(long, default_value_t = 1.0)]
     resolution: f64,
+    /// Meshes only.
+    #[arg(long)]
+    mesh: bool,
     /// Force of every phantom on standard output.
     #[arg(long)]
     all: bool,
@@ -96,8 +99,38 @@ impl Drawn {
     }
 }
 
+/// Meshes the phantoms, and prints how good the elements are.
+fn meshes(arguments: &Arguments) -> Result<()> {
+    let (mut fitted, mut failed, mut shapes) = (0, 0, Vec::new());
+    for number in arguments.first..arguments.first + arguments.phantoms {
+        let drawn = Drawn::new(arguments.seed, number);
+        let body = press_setup(&drawn.scene(arguments)?)?.body();
+        match if arguments.solid { body.build_3d() } else { body.build_2d() } {
+            Ok(mesh) => {
+                fitted += u32::from(arguments.solid && !body.boxed()?);
+                shapes.push(mesh.quality().least_scaled_jacobian);
+            }
+            Err(error) => {
+                failed += 1;
+                println!("{number}: {}: {error}", drawn.words());
+            }
+        }
+    }
+    shapes.sort_by(f64::total_cmp);
+    let (least, median) = (shapes.first().copied(), shapes.get(shapes.len() / 2).copied());
+    let (least, median) = (least.unwrap_or(f64::NAN), median.unwrap_or(f64::NAN));
+    println!(
+        "{failed} of {} not meshed, {fitted} fitted; least scaled Jacobian {least:.3}, median {median:.3}",
+        arguments.phantoms
+    );
+    Ok(())
+}
+
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
+    if arguments.mesh {
+        return meshes(&arguments);
+    }
     let (mut failed, mut seconds) = (0, Vec::new());
     for number in arguments.first..arguments.first + arguments.phantoms {
         let drawn = Drawn::new(arguments.seed, number);

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::*;
 
 mod anywhere;
+mod fitted;
 mod plane;
 mod solid;
 mod verification;
