@@ -82,7 +82,8 @@ pub(super) fn interface(mesh: &Mesh, region: &[u32]) -> Vec<(usize, u8)> {
 /// Elements of inclusions at an edge or a corner where the staircase meets itself, and those that all but stand alone.
 fn not_manifold(mesh: &Mesh, region: &[u32]) -> Vec<usize> {
     let facets = interface(mesh, region);
-    let (mut edges, mut at_node): (HashMap<[u32; 2], Vec<usize>>, HashMap<u32, Vec<usize>>) = Default::default();
+    let mut edges: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
+    let mut at_node: HashMap<u32, Vec<usize>> = HashMap::new();
     let mut faces = HashMap::new();
     for (number, &(element, side)) in facets.iter().enumerate() {
         *faces.entry(element).or_insert(0) += 1;
