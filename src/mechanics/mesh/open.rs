@@ -123,9 +123,10 @@ impl PhantomMesh {
 
     fn check_side(&self, inclusion: usize, points: &[[f64; 3]]) -> Result<(), MeshError> {
         let PhantomShape::Cylinder { radius_mm, .. } = self.shape else { return Ok(()) };
-        let farthest = points.iter().map(|at| at[0].hypot(at[1])).fold(0.0, f64::max);
-        let [x, y, _] = self.inclusions[inclusion - 1].center_mm;
-        let (gap_mm, least_mm) = (radius_mm - farthest, LEAST_GAP * (farthest - x.hypot(y)).abs());
+        let far = |at: &[f64; 3]| (at[0] - self.offset_mm[0]).hypot(at[1] - self.offset_mm[1]);
+        let farthest = points.iter().map(far).fold(0.0, f64::max);
+        let reach = farthest - far(&self.inclusions[inclusion - 1].center_mm);
+        let (gap_mm, least_mm) = (radius_mm - farthest, LEAST_GAP * reach.abs());
         if gap_mm < least_mm {
             return Err(MeshError::SticksOut { inclusion, face: "side", gap_mm, least_mm });
         }

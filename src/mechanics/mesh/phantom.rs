@@ -55,6 +55,8 @@ pub struct PhantomMesh {
     pub symmetry: [bool; 2],
     /// Size of elements.
     pub resolution: Resolution,
+    /// Place of the outline's centre, in three dimensions, mm. Inclusions' places count from the footprint's axis.
+    pub offset_mm: [f64; 2],
 }
 
 /// Grid lines and boxes.
@@ -195,7 +197,9 @@ impl PhantomMesh {
 
     pub(super) fn domain(&self, dim: usize, half: [f64; 2]) -> (Domain, [Vec<f64>; 3]) {
         let plane = |axis: usize| {
-            let (width, low) = (half[axis], if self.symmetry[axis] { 0.0 } else { -half[axis] });
+            // A grid as wide as the phantom ends where the phantom does.
+            let shift = if dim == 3 && half == self.shape.half_widths() { self.offset_mm[axis] } else { 0.0 };
+            let (width, low) = (half[axis] + shift, if self.symmetry[axis] { 0.0 } else { shift - half[axis] });
             let edge = self.footprint.half_widths()[axis];
             let start = rim_start(self.resolution.rim_mm, edge);
             let inner = [-edge, -start, start, edge].into_iter().filter(|&x| low < x && x < width);

@@ -6,6 +6,7 @@
 
 use super::boxes::MARGIN;
 use super::builder::{Builder, between_planes, cells};
+use super::error::positive;
 use super::fillet::rim_start;
 use super::phantom::Layout;
 use super::{Footprint, InclusionShape, Lines, Mesh, MeshError, PhantomMesh, PhantomShape, fit};
@@ -47,6 +48,8 @@ pub(super) struct Plan {
     pub rings: Vec<(Outline, Vec<f64>)>,
     /// Axes along which only the positive half is there.
     pub symmetry: [bool; 2],
+    /// Place of the last outline's centre, mm.
+    pub offset_mm: [f64; 2],
 }
 
 impl Plan {
@@ -58,7 +61,8 @@ impl Plan {
             for (side, symmetric) in [(-1.0, self.symmetry[axis]), (1.0, false)] {
                 let edge = self.core[axis].0.last().copied().unwrap_or(0.0) * side;
                 let mut inner: Option<Outline> = None;
-                for (outer, places) in self.rings.iter().filter(|_| !symmetric) {
+                for (k, (outer, places)) in self.rings.iter().enumerate().filter(|_| !symmetric) {
+                    let shift = if k + 1 == self.rings.len() { self.offset_mm } else { [0.0; 2] };
                     let node = |index: [usize; 3]| {
                         let mut at = [edge; 2];
                         at[1 - axis] = along[index[0]];
@@ -66,7 +70,8 @@ impl Plan {
                         let direction = at.map(|x| x / length);
                         let from = inner.map_or(length, |outline| outline.distance(direction));
                         let distance = from * (1.0 - places[index[1]]) + outer.distance(direction) * places[index[1]];
-                        [distance * direction[0], distance * direction[1], z[index[2]]]
+                        let place = [0, 1].map(|i| distance * direction[i] + places[index[1]] * shift[i]);
+                        [place[0], place[1], z[index[2]]]
                     };
                     let counts = [along.len() / 2, places.len() / 2, heights.cells()];
                     builder.expect_elements(counts.iter().fold(1, |all: usize, &n| all.saturating_mul(n)))?;
@@ -92,6 +97,7 @@ impl PhantomMesh {
     /// Sizes not positive, inclusions that stick out or overlap, a rectangular footprint too far out in a cylinder, too
     /// many elements, a mesh too coarse for an inclusion.
     pub fn build_3d(&self) -> Result<Mesh, MeshError> {
+        positive("the way from the axis to the phantom's side", self.least_reach())?;
         let (layout, plan, boxed) = self.scheme()?;
         let mut builder = Builder::new(3);
         if boxed {
@@ -124,6 +130,7 @@ impl PhantomMesh {
     /// The plan view within the contact, for a sensor that shares its nodes.
     pub(super) fn contact_plan(&self) -> Result<Plan, MeshError> {
         let mut plan = self.scheme()?.1;
+        plan.offset_mm = [0.0; 2];
         let half = self.footprint.half_widths();
         let carried = match self.footprint {
             Footprint::Round { radius_mm } => {
@@ -152,8 +159,7 @@ impl PhantomMesh {
         };
         let carries = |plan: &Plan| {
             let Footprint::Round { radius_mm } = self.footprint else { return true };
-            let [x, y] = self.shape.half_widths();
-            radius_mm >= x.min(y) || plan.rings.iter().any(|ring| ring.0 == Outline::Circle(radius_mm))
+            radius_mm >= self.least_reach() || plan.rings.iter().any(|ring| ring.0 == Outline::Circle(radius_mm))
         };
         match plan(&self.inclusions, true) {
             Ok(found) if carries(&found.1) => Ok(found),
@@ -181,7 +187,16 @@ impl PhantomMesh {
         let rings =
             outlines.iter().zip(radii.windows(2)).map(|(outline, pair)| (*outline, places(pair[0], pair[1]))).collect();
         let axis = |axis: usize| layout.axes.get(axis).cloned().unwrap_or(Lines(Vec::new()));
-        Ok(Plan { core: [axis(0), axis(1)], rings, symmetry: self.symmetry })
+        Ok(Plan { core: [axis(0), axis(1)], rings, symmetry: self.symmetry, offset_mm: self.offset_mm })
+    }
+
+    /// Least distance from the axis to the outline, mm.
+    fn least_reach(&self) -> f64 {
+        let ([x, y], [half_x, half_y]) = (self.offset_mm, self.shape.half_widths());
+        match self.shape {
+            PhantomShape::Cylinder { radius_mm, .. } => radius_mm - x.hypot(y),
+            PhantomShape::Block { .. } => (half_x - x.abs()).min(half_y - y.abs()),
+        }
     }
 
     /// Half widths of the rectangle in the middle, and the outlines around it.
@@ -216,7 +231,7 @@ impl PhantomMesh {
         };
         // The circle where the rim's arc begins, and that where it ends.
         let start = rim_start(self.resolution.rim_mm, foot[0]);
-        let around = if round && foot[0] < half[0].min(half[1]) { core(start) } else { None };
+        let around = if round && foot[0] < self.least_reach() { core(start) } else { None };
         if let Some(core) = around {
             let mut outlines = vec![Outline::Circle(start), Outline::Circle(foot[0]), outer];
             outlines.dedup();
@@ -224,11 +239,11 @@ impl PhantomMesh {
         }
         match outer {
             Outline::Rectangle(_) => Ok((half, Vec::new())),
-            Outline::Circle(radius) => match core(radius) {
+            Outline::Circle(_) => match core(self.least_reach()) {
                 Some(core) => Ok((core, vec![outer])),
                 None => {
                     let what = if round { "an inclusion" } else { "an inclusion or the footprint" };
-                    let limit_mm = MOST_DIAGONAL * radius / diagonal;
+                    let limit_mm = MOST_DIAGONAL * self.least_reach() / diagonal;
                     Err(MeshError::TooFarOut { what, reach_mm: reach[0], limit_mm })
                 }
             },
