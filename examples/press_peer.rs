@@ -114,6 +114,7 @@ fn tied_setup(law: LawName, depth_mm: f64, resolution: Resolution, nu: f64) -> R
             footprint: Footprint::Round { radius_mm: 15.0 },
             symmetry: [true, true],
             resolution,
+            offset_mm: [0.0; 2],
         },
         phantom_materials: vec![material(5.0)?, material(120.0)?],
         sensor: SensorBody::Rigid { edge_radius_mm: 0.5 },
@@ -121,6 +122,7 @@ fn tied_setup(law: LawName, depth_mm: f64, resolution: Resolution, nu: f64) -> R
         load: Load::Depths(vec![depth_mm]),
         seconds_per_mm: None,
         hold_s: 0.0,
+        tilt_deg: [0.0; 2],
     })
 }
 
@@ -183,6 +185,7 @@ fn hertz(rung: usize, nu: f64) -> Result<(Mesh, Value)> {
             inclusion_divisions: 4.0,
             subdivision: rung,
         },
+        offset_mm: [0.0; 2],
     }
     .build_2d()?;
     let material = Material::linear(1.0, nu)?;

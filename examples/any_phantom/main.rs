@@ -1,12 +1,13 @@
 //! How often does a press of a phantom that nobody chose come to its end, and how long does it take?
 //!
 //!     cargo run --release --example any_phantom -- [--phantoms 500] [--solid] [--resolution F] [--edge-mm R] [--seed 1]
-//!                                                  [--all]
+//!                                                  [--all] [--mesh]
 //!
 //! Draws phantoms about `phantom-size-8mm`: a sphere of 4 to 14 mm and 20 to 150 kPa (log-uniform), its top 2 to 11 mm
 //! deep as far as it fits, in 3 to 10 kPa, pressed from 0.5 mm to 0.5 to 5 mm in three loads, each with and without its
-//! inclusion. With `--solid` the sphere lies up to 8 mm off the axis, at any angle about it, so that the press is one in
-//! three dimensions without a symmetry. Prints a row for each failure, then counts and times.
+//! inclusion. With `--solid` the sphere lies up to 8 mm off the axis, at any angle about it, and the phantom is tilted
+//! by up to 2 degrees, so that the press is one in three dimensions without a symmetry. With `--mesh` they are meshed
+//! and not pressed. Prints a row for each failure, then counts and times.
 
 use anyhow::{Context as _, Result};
 use clap::Parser;
@@ -36,6 +37,9 @@ struct Arguments {
     /// Fineness of the meshes, as `press.resolution`.
     #[arg(long, default_value_t = 1.0)]
     resolution: f64,
+    /// Meshes only.
+    #[arg(long)]
+    mesh: bool,
     /// Force of every phantom on standard output.
     #[arg(long)]
     all: bool,
@@ -50,6 +54,8 @@ struct Drawn {
     depths_mm: Vec<f64>,
     /// Place of the sphere in plan, where the press is one in three dimensions.
     center_mm: [f64; 2],
+    /// Tilt of the phantom there.
+    tilt_deg: [f64; 2],
 }
 
 impl Drawn {
@@ -67,7 +73,9 @@ impl Drawn {
         depths_mm.dedup_by(|a, b| *a - *b < 1e-3);
         let (off_axis_mm, angle) = (between(0.0, 8.0), between(0.0, std::f64::consts::TAU));
         let center_mm = [off_axis_mm * angle.cos(), off_axis_mm * angle.sin()];
-        Self { diameter_mm, top_mm, lump_kpa, body_kpa, depths_mm, center_mm }
+        let (tilt_deg, angle) = (between(0.0, 2.0), between(0.0, std::f64::consts::TAU));
+        let tilt_deg = [tilt_deg * angle.cos(), tilt_deg * angle.sin()];
+        Self { diameter_mm, top_mm, lump_kpa, body_kpa, depths_mm, center_mm, tilt_deg }
     }
 
     fn scene(&self, arguments: &Arguments) -> Result<LoadedScene> {
@@ -83,21 +91,54 @@ impl Drawn {
         }
         let press = loaded.scene.press.as_mut().context("a press")?;
         press.depths_mm = Some(self.depths_mm.clone());
+        if arguments.solid {
+            press.tilt_deg = self.tilt_deg;
+        }
         (press.edge_radius_mm, press.resolution) = (arguments.edge_mm.or(press.edge_radius_mm), arguments.resolution);
         Ok(loaded)
     }
 
     fn words(&self) -> String {
-        let Self { diameter_mm, top_mm, lump_kpa, body_kpa, depths_mm, center_mm } = self;
+        let Self { diameter_mm, top_mm, lump_kpa, body_kpa, depths_mm, center_mm, tilt_deg } = self;
         format!(
             "{diameter_mm:.3} mm of {lump_kpa:.2} kPa, {top_mm:.3} mm deep in {body_kpa:.3} kPa, to {depths_mm:.3?}, \
-             off the axis by {center_mm:.3?} if solid"
+             off the axis by {center_mm:.3?} and tilted by {tilt_deg:.2?} degrees if solid"
         )
     }
 }
 
+/// Meshes the phantoms, and prints how good the elements are.
+fn meshes(arguments: &Arguments) -> Result<()> {
+    let (mut fitted, mut failed, mut shapes) = (0, 0, Vec::new());
+    for number in arguments.first..arguments.first + arguments.phantoms {
+        let drawn = Drawn::new(arguments.seed, number);
+        let body = press_setup(&drawn.scene(arguments)?)?.body();
+        match if arguments.solid { body.build_3d() } else { body.build_2d() } {
+            Ok(mesh) => {
+                fitted += u32::from(arguments.solid && !body.boxed()?);
+                shapes.push(mesh.quality().least_scaled_jacobian);
+            }
+            Err(error) => {
+                failed += 1;
+                println!("{number}: {}: {error}", drawn.words());
+            }
+        }
+    }
+    shapes.sort_by(f64::total_cmp);
+    let (least, median) = (shapes.first().copied(), shapes.get(shapes.len() / 2).copied());
+    let (least, median) = (least.unwrap_or(f64::NAN), median.unwrap_or(f64::NAN));
+    println!(
+        "{failed} of {} not meshed, {fitted} fitted; least scaled Jacobian {least:.3}, median {median:.3}",
+        arguments.phantoms
+    );
+    Ok(())
+}
+
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
+    if arguments.mesh {
+        return meshes(&arguments);
+    }
     let (mut failed, mut seconds) = (0, Vec::new());
     for number in arguments.first..arguments.first + arguments.phantoms {
         let drawn = Drawn::new(arguments.seed, number);

@@ -87,7 +87,11 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
         Dimensions::Auto => press.asymmetry(phantom, &scene.stack).is_none(),
     };
     let inclusions = phantom.inclusion.iter().map(|one| inclusion_shape(one, &loaded.folder));
-    let inclusions = inclusions.collect::<Result<Vec<_>, _>>()?;
+    let mut inclusions = inclusions.collect::<Result<Vec<_>, _>>()?;
+    // The sensor stays where it is; the phantom moves, with what is in it.
+    for inclusion in &mut inclusions {
+        (0..2).for_each(|axis| inclusion.center_mm[axis] += press.offset_mm[axis]);
+    }
     let elastics = std::iter::once(&phantom.material).chain(phantom.inclusion.iter().map(|one| &one.material));
     let base = if flat { Resolution::PLANE } else { Resolution::SOLID };
     let edge_radius_mm = press.edge_radius_mm(&scene.stack);
@@ -96,10 +100,14 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
         pressure: PressureOrder::Linear,
         phantom: PhantomMesh {
             shape: phantom_shape(&phantom.shape),
-            symmetry: [0, 1].map(|axis| flat || inclusions.iter().all(|shape| is_symmetric(shape, axis))),
+            symmetry: [0, 1].map(|axis| {
+                let straight = press.offset_mm[axis] == 0.0 && press.tilt_deg[1 - axis] == 0.0;
+                flat || straight && inclusions.iter().all(|shape| is_symmetric(shape, axis))
+            }),
             inclusions,
             footprint: footprint(&press.face(&scene.stack)),
             resolution: base.finer(press.resolution),
+            offset_mm: press.offset_mm,
         },
         phantom_materials: elastics.map(material).collect::<Result<Vec<_>, _>>()?,
         sensor: match press.sensor {
@@ -117,6 +125,7 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
         },
         seconds_per_mm: press.rate_mm_per_s.map(|rate| 1.0 / rate),
         hold_s: press.hold_s,
+        tilt_deg: press.tilt_deg,
     })
 }
 
@@ -246,7 +255,9 @@ mod tests {
         let mesh = |phantom: &Phantom, footprint, symmetry| {
             let inclusions = phantom.inclusion.iter().map(|one| inclusion_shape(one, Path::new("")).unwrap()).collect();
             let shape = phantom_shape(&phantom.shape);
-            PhantomMesh { shape, inclusions, footprint, symmetry, resolution: Resolution::PLANE }.build_2d().unwrap()
+            PhantomMesh { shape, inclusions, footprint, symmetry, resolution: Resolution::PLANE, offset_mm: [0.0; 2] }
+                .build_2d()
+                .unwrap()
         };
         let presses = PRESETS.iter().map(|(name, _)| preset(name).unwrap().scene);
         let presses = presses.filter_map(|scene| Some((scene.phantom?, scene.press?, scene.stack)));

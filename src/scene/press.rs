@@ -23,6 +23,13 @@ pub struct Press {
     /// far as a third of the face's half width and half of the topmost soft layer allow, because a sharp rim that
     /// slides is singular (and none that is moulded is sharp). A rigid sensor that is tied has none.
     pub edge_radius_mm: Option<f64>,
+    /// Turn of the phantom about the axes x and y through the middle of its touched face, degrees. Sliding faces are
+    /// tilted from the start, and depths count from where they first meet. Tied faces lie flat on each other at rest:
+    /// there the base turns as it comes down, and has turned all the way at the last depth. Default: `[0, 0]`.
+    pub tilt_deg: [f64; 2],
+    /// Place of the phantom's axis against that of the touched face, mm. Inclusions move with the phantom. Default:
+    /// `[0, 0]`.
+    pub offset_mm: [f64; 2],
     /// Dimensions of the finite elements. Default: `auto`.
     pub dimensions: Dimensions,
     /// Fineness of the mesh: 2 halves the size of all elements. Default: 1.
@@ -50,6 +57,8 @@ impl Default for Press {
             footprint: None,
             interface: Interface::default(),
             edge_radius_mm: None,
+            tilt_deg: [0.0; 2],
+            offset_mm: [0.0; 2],
             dimensions: Dimensions::default(),
             resolution: 1.0,
             estimate_error: true,
@@ -147,6 +156,12 @@ impl Press {
         };
         if matches!(self.face(stack), Face::Rectangle { .. }) {
             return Some("the touched face is a rectangle".to_owned());
+        }
+        if self.tilt_deg != [0.0; 2] {
+            return Some("press.tilt_deg tilts the phantom".to_owned());
+        }
+        if self.offset_mm != [0.0; 2] {
+            return Some("press.offset_mm moves the phantom off the axis".to_owned());
         }
         if matches!(phantom.shape, PhantomBody::Block { .. }) {
             return Some("the phantom is a block".to_owned());

@@ -59,6 +59,7 @@ pub fn far_mesh(rung: usize) -> Result<Mesh, MeshError> {
         footprint: Footprint::Round { radius_mm: FAR },
         symmetry: [true, false],
         resolution: graded(5.0, 5.0, 5.0, 0.5, rung),
+        offset_mm: [0.0; 2],
     }
     .build_2d()
 }

@@ -42,6 +42,7 @@ pub fn setup(ball: Option<Ball>, poisson: f64) -> Result<Setup, StabilityError> 
             footprint: Footprint::Round { radius_mm: 15.0 },
             symmetry: [true, true],
             resolution: Resolution::PLANE.halved(),
+            offset_mm: [0.0; 2],
         },
         phantom_materials: moduli.map(material).collect::<Result<_, _>>()?,
         sensor: SensorBody::Layers {
@@ -52,6 +53,7 @@ pub fn setup(ball: Option<Ball>, poisson: f64) -> Result<Setup, StabilityError> 
         load: Load::Depths(vec![1.0]),
         seconds_per_mm: None,
         hold_s: 0.0,
+        tilt_deg: [0.0; 2],
     })
 }
 

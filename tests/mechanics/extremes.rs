@@ -72,6 +72,7 @@ fn a_bonded_block_is_pressed_to_half_its_height() {
             footprint: Footprint::Round { radius_mm: 20.0 },
             symmetry: [true, false],
             resolution: graded(2.5, 2.5, 2.5, 0.5, 1),
+            offset_mm: [0.0; 2],
         }
         .build_2d()
         .unwrap();

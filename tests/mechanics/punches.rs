@@ -81,6 +81,7 @@ fn a_rigid_sensor_resolves_its_rim() {
                     footprint: Footprint::Round { radius_mm },
                     symmetry: [true, true],
                     resolution: Resolution::PLANE.halved(),
+                    offset_mm: [0.0; 2],
                 },
                 phantom_materials: vec![Material::linear(5.0, poisson).unwrap()],
                 sensor: SensorBody::Rigid { edge_radius_mm: rim_mm },
@@ -88,6 +89,7 @@ fn a_rigid_sensor_resolves_its_rim() {
                 load: Load::Depths(vec![depth_mm]),
                 seconds_per_mm: None,
                 hold_s: 0.0,
+                tilt_deg: [0.0; 2],
             };
             let pressed = press(&setup, PressSettings::default(), &mut |_| true).unwrap();
             let sharp_n = 1e-3 * 2.0 * 5.0 * radius_mm * depth_mm * kappa / (1.0 - poisson * poisson);

@@ -70,6 +70,7 @@ fn a_ball_beside_the_middle_of_a_slab_presses_as_in_the_middle() {
         footprint: Footprint::Rectangle { half_widths_mm: [3.0; 2] },
         symmetry: [false; 2],
         resolution: resolution(0.75, 0.75, 4.0),
+        offset_mm: [0.0; 2],
     };
     let block = slab(PhantomShape::Block { size_mm: [18.0; 2], height_mm: 3.0 }).build_3d().unwrap();
     let ball = || Profile::Round { radius_mm: 6.0 };
@@ -101,6 +102,7 @@ fn sensor_press(kinematics: Kinematics, phantom: PhantomMesh, layer_mm: f64, dep
         load: Load::Depths(vec![depth]),
         seconds_per_mm: None,
         hold_s: 0.0,
+        tilt_deg: [0.0; 2],
     };
     let pressed = press(&setup, PressSettings::default(), &mut |_| true).unwrap();
     assert!(min_jacobian(&pressed.assembly.problem, &pressed.steps[0].state).unwrap() > 0.0);
@@ -127,6 +129,7 @@ fn a_body_on_its_mirror_image_is_a_body_on_a_mirror() {
             footprint,
             symmetry: [true, kinematics == Kinematics::ThreeDimensional],
             resolution: resolution(1.0, 2.0, 3.0),
+            offset_mm: [0.0; 2],
         };
         let solid = kinematics == Kinematics::ThreeDimensional;
         let mesh = if solid { phantom.build_3d() } else { phantom.build_2d() }.unwrap();
@@ -151,6 +154,7 @@ fn a_square_sensor_slides_under_a_larger_phantom_like_a_round_one_of_its_area() 
         footprint,
         symmetry,
         resolution,
+        offset_mm: [0.0; 2],
     };
     let half = 6.0;
     let square = phantom(

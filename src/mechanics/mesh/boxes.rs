@@ -9,7 +9,7 @@ pub(super) const MARGIN: f64 = 0.4;
 const NARROW: f64 = 0.5;
 
 /// Least free space, in units of the reach: a thinner gap has no element of usable shape.
-const LEAST_GAP: f64 = 0.005;
+pub(super) const LEAST_GAP: f64 = 0.005;
 
 /// Where inclusions may be, along the axes of the mesh.
 pub(super) struct Domain {
@@ -70,7 +70,13 @@ impl Domain {
         Ok(boxes)
     }
 
-    fn free_space(&self, number: usize, center: [f64; 3], extent: [[f64; 2]; 3]) -> Result<InclusionBox, MeshError> {
+    /// The box of inclusion `number`, still without room.
+    pub fn free_space(
+        &self,
+        number: usize,
+        center: [f64; 3],
+        extent: [[f64; 2]; 3],
+    ) -> Result<InclusionBox, MeshError> {
         let mut found = InclusionBox { center, range: [[0.0; 2]; 3], extent, free: [[0.0; 2]; 3], cut: [false; 3] };
         for axis in 0..self.dim {
             if !center[axis].is_finite() {

@@ -50,6 +50,33 @@ pub enum MeshError {
         /// Gap needed, mm.
         least_mm: f64,
     },
+    /// Two inclusions that overlap, or all but touch.
+    #[error(
+        "inclusions {first} and {second} overlap or all but touch: their gap is {gap_mm} mm (negative: they overlap), at \
+         least {least_mm} mm are needed"
+    )]
+    Overlap {
+        /// Number of the first, from 1.
+        first: usize,
+        /// Number of the second, from 1.
+        second: usize,
+        /// Gap along a ray from the centre of one of them, mm.
+        gap_mm: f64,
+        /// Gap needed, mm.
+        least_mm: f64,
+    },
+    /// An inclusion for which a mesh has no element.
+    #[error("the mesh is too coarse for inclusion {inclusion}; choose a finer resolution")]
+    TooCoarse {
+        /// Number of the inclusion, from 1.
+        inclusion: usize,
+    },
+    /// Inclusions too thin or too near something for elements between that do not fold.
+    #[error("elements around an inclusion fold near {at_mm:?} mm; choose a finer resolution, or more room there")]
+    NotFitted {
+        /// The place, mm.
+        at_mm: [f64; 3],
+    },
     /// An inclusion that a plane of symmetry cuts elsewhere than through its centre.
     #[error(
         "inclusion {inclusion}, centred at {center_mm} mm along {axis}, is cut by the plane of symmetry {axis} = 0; \

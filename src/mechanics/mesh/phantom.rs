@@ -55,6 +55,8 @@ pub struct PhantomMesh {
     pub symmetry: [bool; 2],
     /// Size of elements.
     pub resolution: Resolution,
+    /// Place of the outline's centre, in three dimensions, mm. Inclusions' places count from the footprint's axis.
+    pub offset_mm: [f64; 2],
 }
 
 /// Grid lines and boxes.
@@ -158,8 +160,8 @@ impl PhantomMesh {
         Ok(())
     }
 
-    /// Lines and boxes in a grid of the given half widths along x and y.
-    pub(super) fn layout(&self, dim: usize, half: [f64; 2]) -> Result<Layout, MeshError> {
+    /// Whether all sizes are positive; `half` are half widths of the grid.
+    pub(super) fn check_sizes(&self, half: [f64; 2]) -> Result<(), MeshError> {
         self.resolution.check()?;
         for width in self.shape.half_widths().into_iter().chain(half) {
             positive("the phantom's width", width)?;
@@ -168,6 +170,12 @@ impl PhantomMesh {
         for width in self.footprint.half_widths() {
             positive("the contact's width", width)?;
         }
+        Ok(())
+    }
+
+    /// Lines and boxes in a grid of the given half widths along x and y.
+    pub(super) fn layout(&self, dim: usize, half: [f64; 2]) -> Result<Layout, MeshError> {
+        self.check_sizes(half)?;
         let (domain, mut lines) = self.domain(dim, half);
         let mut shapes = Vec::new();
         for inclusion in &self.inclusions {
@@ -187,9 +195,11 @@ impl PhantomMesh {
         Ok(Layout { axes, boxes, radial })
     }
 
-    fn domain(&self, dim: usize, half: [f64; 2]) -> (Domain, [Vec<f64>; 3]) {
+    pub(super) fn domain(&self, dim: usize, half: [f64; 2]) -> (Domain, [Vec<f64>; 3]) {
         let plane = |axis: usize| {
-            let (width, low) = (half[axis], if self.symmetry[axis] { 0.0 } else { -half[axis] });
+            // A grid as wide as the phantom ends where the phantom does.
+            let shift = if dim == 3 && half == self.shape.half_widths() { self.offset_mm[axis] } else { 0.0 };
+            let (width, low) = (half[axis] + shift, if self.symmetry[axis] { 0.0 } else { shift - half[axis] });
             let edge = self.footprint.half_widths()[axis];
             let start = rim_start(self.resolution.rim_mm, edge);
             let inner = [-edge, -start, start, edge].into_iter().filter(|&x| low < x && x < width);
@@ -213,7 +223,7 @@ impl PhantomMesh {
     }
 
     /// Sizes along one axis: small at the touched face, the contact's edge and the inclusions.
-    fn grading(&self, domain: &Domain, axis: usize, boxes: &[InclusionBox]) -> Grading {
+    pub(super) fn grading(&self, domain: &Domain, axis: usize, boxes: &[InclusionBox]) -> Grading {
         let size = self.resolution;
         let mut features = Vec::new();
         if axis + 1 == domain.dim {

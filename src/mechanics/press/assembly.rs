@@ -1,6 +1,6 @@
 //! From the description of a press to its boundary value problem.
 
-use super::{PressError, SensorBody, Setup};
+use super::{PressError, SensorBody, Setup, tilt};
 use crate::mechanics::contact::{Contact, Counterpart, Grip, Profile};
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::mesh::{Boundary, Facet, Footprint, Mesh, SensorMesh};
@@ -38,11 +38,13 @@ impl Assembly {
         }
         let flat = setup.kinematics != Kinematics::ThreeDimensional;
         let body = setup.body();
-        let phantom = if flat { body.build_2d()? } else { body.build_3d()? };
+        let mut phantom = if flat { body.build_2d()? } else { body.build_3d()? };
+        tilt::turn(setup, &mut phantom)?;
         let (phantom_nodes, phantom_elements) = (phantom.nodes.len(), phantom.element_count());
         let mut materials = setup.phantom_materials.clone();
         let mut bodies = vec![phantom.clone()];
         let mut supports = supports(&phantom, 0, setup.kinematics, Boundary::Base, -1.0);
+        tilt::turn_base(setup, &phantom, &mut supports)?;
         let mut mesh = phantom;
         let mut wall = None;
         let pair = match &setup.sensor {

@@ -10,6 +10,7 @@ pub mod error_estimate;
 mod load;
 mod run;
 mod setup;
+mod tilt;
 
 pub use super::read_out::{element_least_jacobian, element_pressure};
 pub use assembly::Assembly;
@@ -20,6 +21,9 @@ pub use error_estimate::PressureError;
 pub use run::{PressSettings, PressStage, PressStep, Pressed, press};
 pub use setup::{Load, SensorBody, Setup};
 
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod placed_tests;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod solid_tests;

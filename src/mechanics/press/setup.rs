@@ -27,6 +27,8 @@ pub struct Setup {
     pub seconds_per_mm: Option<f64>,
     /// Time for which each asked load is held before it is read, s.
     pub hold_s: f64,
+    /// Turn of the phantom about x, then y, through the middle of the touched face, degrees; three dimensions only.
+    pub tilt_deg: [f64; 2],
 }
 
 /// The sensor's body.

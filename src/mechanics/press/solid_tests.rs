@@ -22,7 +22,7 @@ const COARSE: Resolution = Resolution {
     subdivision: 1,
 };
 
-fn linear(youngs_kpa: f64) -> Material {
+pub(super) fn linear(youngs_kpa: f64) -> Material {
     Material::linear(youngs_kpa, 0.4999).unwrap()
 }
 
@@ -30,12 +30,12 @@ fn neo_hookean(youngs_kpa: f64) -> Material {
     Material::neo_hookean(youngs_kpa, 0.4999).unwrap()
 }
 
-fn sphere(center_mm: [f64; 3], radius_mm: f64) -> InclusionShape {
+pub(super) fn sphere(center_mm: [f64; 3], radius_mm: f64) -> InclusionShape {
     InclusionShape { center_mm, surface: Star::Ellipsoid { semi_axes_mm: [radius_mm; 3] } }
 }
 
 /// A phantom of 30 x 25 mm and 5 kPa with inclusions of 120 kPa, tied to a sensor of 15 mm radius with soft layers.
-fn soft_press(material: fn(f64) -> Material, inclusions: Vec<InclusionShape>, symmetry: [bool; 2]) -> Setup {
+pub(super) fn soft_press(material: fn(f64) -> Material, inclusions: Vec<InclusionShape>, symmetry: [bool; 2]) -> Setup {
     let layers = [(5.0, 15.0), (3.0, 30.0), (2.0, 60.0)];
     let stiff = inclusions.iter().map(|_| material(120.0));
     Setup {
@@ -48,6 +48,7 @@ fn soft_press(material: fn(f64) -> Material, inclusions: Vec<InclusionShape>, sy
             footprint: Footprint::Round { radius_mm: 15.0 },
             symmetry,
             resolution: COARSE,
+            offset_mm: [0.0; 2],
         },
         sensor: SensorBody::Layers {
             layers: layers.map(|(thickness, youngs)| (thickness, material(youngs))).to_vec(),
@@ -57,10 +58,11 @@ fn soft_press(material: fn(f64) -> Material, inclusions: Vec<InclusionShape>, sy
         load: Load::Depths(vec![1.0]),
         seconds_per_mm: None,
         hold_s: 0.0,
+        tilt_deg: [0.0; 2],
     }
 }
 
-fn run(setup: &Setup) -> Pressed {
+pub(super) fn run(setup: &Setup) -> Pressed {
     press(setup, PressSettings::default(), &mut |_| true).unwrap()
 }
 
@@ -75,7 +77,7 @@ fn ring_mean(pressed: &Pressed, inner: f64, outer: f64) -> f64 {
 }
 
 /// Moments of the pressure about the axis, N mm.
-fn moments(pressed: &Pressed) -> [f64; 2] {
+pub(super) fn moments(pressed: &Pressed) -> [f64; 2] {
     [0, 1].map(|i| 1e-3 * pressed.steps[0].points.iter().map(|p| p.force_mn * p.reference_mm[i]).sum::<f64>())
 }
 
@@ -101,7 +103,7 @@ fn reaction(pressed: &Pressed, moved: bool) -> f64 {
 }
 
 /// The contact bears what the phantom's base bears, and the sensor's glass.
-fn assert_forces_balance(pressed: &Pressed) {
+pub(super) fn assert_forces_balance(pressed: &Pressed) {
     let force = pressed.steps[0].force_n;
     assert!(force > 0.0);
     // Newton's balance is to 1e-9 of all internal forces, which add up to some hundred times the force.

@@ -24,6 +24,7 @@ fn phantom(inclusion: Option<[f64; 3]>, soft: bool, linear: bool, depths: &[f64]
             footprint: Footprint::Round { radius_mm: 15.0 },
             symmetry: [true, true],
             resolution: Resolution::PLANE,
+            offset_mm: [0.0; 2],
         },
         phantom_materials: std::iter::once(material(5.0)).chain(inclusion.map(|[_, _, e]| material(e))).collect(),
         sensor: match soft {
@@ -37,6 +38,7 @@ fn phantom(inclusion: Option<[f64; 3]>, soft: bool, linear: bool, depths: &[f64]
         load: Load::Depths(depths.to_vec()),
         seconds_per_mm: None,
         hold_s: 0.0,
+        tilt_deg: [0.0; 2],
     }
 }
 

@@ -1,6 +1,6 @@
 //! Rules of the press: it fits phantom and stack, and nothing else says what it computes.
 
-use super::bounds::{NOT_NEGATIVE, POSITIVE, above, number};
+use super::bounds::{ANY, NOT_NEGATIVE, POSITIVE, above, number};
 use super::{Invalid, all, phantom};
 use crate::scene::{
     Dimensions, Face, Inner, Interface, Phantom, PhantomBody, Press, PressedSensor, Pressure, Scene, Shape, Stack,
@@ -8,6 +8,8 @@ use crate::scene::{
 
 /// Depths or forces of a press; each is at least one solve.
 const MAX_LEVELS: usize = 100;
+/// Largest tilt about an axis, degrees: a rim of 60 degrees still meets the face with its arc.
+const MOST_TILT_DEG: f64 = 15.0;
 /// Room for rounding where two outlines touch, mm.
 const TOUCHING_MM: f64 = 1e-9;
 
@@ -48,6 +50,7 @@ fn pressing(scene: &Scene) -> Result<(), Invalid> {
         sensor(press, &scene.stack),
         face,
         on_face,
+        tilt(press),
         friction,
         number("press.resolution", press.resolution, 0.25..=16.0, 1.0),
     ])
@@ -134,6 +137,18 @@ fn ascending(key: &str, values: &[f64], example: f64) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// A tilt within what contact between two faces follows, and a base whose turn is known.
+fn tilt(press: &Press) -> Result<(), Invalid> {
+    for (axis, &angle) in press.tilt_deg.iter().enumerate() {
+        number(&format!("press.tilt_deg[{axis}]"), angle, -MOST_TILT_DEG..=MOST_TILT_DEG, 1.0)?;
+    }
+    if press.tilt_deg != [0.0; 2] && press.interface == Interface::Tied && press.forces_n.is_some() {
+        let message = "a tied phantom has turned all the way at the last of depths_mm; give depths_mm, not forces_n";
+        return Err(Invalid::new("press.tilt_deg", message));
+    }
+    Ok(())
+}
+
 /// The touched face lies within the stack's footprint and under the phantom.
 fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), Invalid> {
     let (half, names) = match press.footprint {
@@ -143,7 +158,9 @@ fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), 
         }
         None => (footprint_mm.map(|extent| extent / 2.0), ["press.footprint"; 2]),
     };
+    let over = if press.offset_mm == [0.0; 2] { "press.footprint" } else { "press.offset_mm" };
     for axis in 0..2 {
+        number(&format!("press.offset_mm[{axis}]"), press.offset_mm[axis], ANY, 1.0)?;
         number(names[axis], half[axis], POSITIVE, 15.0)?;
         let room = footprint_mm[axis] / 2.0;
         if half[axis] > room + TOUCHING_MM {
@@ -151,24 +168,33 @@ fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), 
             return Err(Invalid::new(names[axis], message));
         }
         if let PhantomBody::Block { size_mm, .. } = &phantom.shape
-            && half[axis] > size_mm[axis] / 2.0 + TOUCHING_MM
+            && half[axis] + press.offset_mm[axis].abs() > size_mm[axis] / 2.0 + TOUCHING_MM
         {
-            let (reach, room) = (half[axis], size_mm[axis] / 2.0);
+            let (reach, room) = (half[axis], size_mm[axis] / 2.0 - press.offset_mm[axis].abs());
             let message =
                 format!("the touched face reaches {reach} mm from the axis, over the phantom's side at {room} mm");
-            return Err(Invalid::new("press.footprint", message));
+            return Err(Invalid::new(over, message));
         }
     }
     let outline = press.footprint.unwrap_or(Face::Rectangle { half_widths_mm: half });
     if let PhantomBody::Cylinder { radius_mm, .. } = &phantom.shape
-        && outline.reach_mm() > radius_mm + TOUCHING_MM
+        && farthest_mm(&outline, press.offset_mm) > radius_mm + TOUCHING_MM
     {
-        let reach = outline.reach_mm();
+        let (reach, radius_mm) = (farthest_mm(&outline, press.offset_mm), *radius_mm);
         let message =
             format!("the touched face reaches {reach} mm from the axis, over the phantom's side at {radius_mm} mm");
-        return Err(Invalid::new("press.footprint", message));
+        return Err(Invalid::new(over, message));
     }
     Ok(())
+}
+
+/// Farthest point of a face from the axis of a phantom that is moved, mm.
+fn farthest_mm(face: &Face, offset_mm: [f64; 2]) -> f64 {
+    let [x, y] = offset_mm.map(f64::abs);
+    match face {
+        Face::Round { radius_mm } => radius_mm + x.hypot(y),
+        Face::Rectangle { half_widths_mm } => (half_widths_mm[0] + x).hypot(half_widths_mm[1] + y),
+    }
 }
 
 /// The rim's radius fits the touched face and the layer that carries it.

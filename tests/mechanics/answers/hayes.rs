@@ -23,6 +23,7 @@ fn layer(height: f64, radius: f64, rung: usize) -> Mesh {
         footprint: Footprint::Round { radius_mm: 1.0 },
         symmetry: [true, false],
         resolution: graded(0.01, 0.2, 0.4 * height, 0.6, rung),
+        offset_mm: [0.0; 2],
     }
     .build_2d()
     .unwrap()

@@ -28,6 +28,7 @@ fn press(rung: usize, kinematics: Kinematics, poisson: f64, profile: Profile, de
         footprint: Footprint::Round { radius_mm: 1.4 },
         symmetry: [true, false],
         resolution: graded(0.2, 0.2, 0.4 * far, 0.5, rung),
+        offset_mm: [0.0; 2],
     }
     .build_2d()
     .unwrap();

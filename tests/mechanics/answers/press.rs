@@ -23,6 +23,7 @@ pub fn phantom(rung: usize, ball: Option<(f64, f64)>) -> Mesh {
         footprint: Footprint::Round { radius_mm: EDGE },
         symmetry: [true, false],
         resolution: Resolution { subdivision: rung, ..Resolution::PLANE },
+        offset_mm: [0.0; 2],
     }
     .build_2d()
     .unwrap()

@@ -58,6 +58,7 @@ impl ScanSetup {
                 footprint: Footprint::Rectangle { half_widths_mm: [reach; 2] },
                 symmetry: [false; 2],
                 resolution: RESOLUTION.finer(scan.resolution),
+                offset_mm: [0.0; 2],
             },
             materials: bodies.map(from_scene::material).collect::<Result<_, _>>()?,
             indenter: match &scan.indenter {

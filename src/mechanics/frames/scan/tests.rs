@@ -125,6 +125,7 @@ fn a_cylinder_on_a_thick_block_follows_hertz() {
             footprint: Footprint::Rectangle { half_widths_mm: [half; 2] },
             symmetry: [false; 2],
             resolution: Resolution { edge_mm: 0.1, contact_mm: 0.1, coarsest_mm: 30.0, growth: 0.5, ..COARSE },
+            offset_mm: [0.0; 2],
         },
         materials: vec![Material::linear(youngs_kpa, poisson).unwrap()],
         indenter: Profile::Round { radius_mm },

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::*;
 
 mod anywhere;
+mod fitted;
 mod plane;
 mod solid;
 mod verification;
@@ -17,6 +18,7 @@ fn phantom(inclusions: Vec<InclusionShape>) -> PhantomMesh {
         footprint: Footprint::Round { radius_mm: 15.0 },
         symmetry: [true, true],
         resolution: Resolution::PLANE,
+        offset_mm: [0.0; 2],
     }
 }
 
