@@ -239,6 +239,8 @@ mod tests {
         let mut job = Job::sketch(Path::new("preset:phantom-size-8mm")).unwrap();
         job.loaded.scene.camera.pixels = [48, 36];
         job.loaded.scene.render.map_texel_mm = 0.5;
+        // The baseline's mesh is as coarse as the sketch's.
+        job.loaded.scene.press.as_mut().unwrap().resolution = 0.5;
         job.settings.photons = Some(1 << 19);
         let baseline = job.baseline(true).unwrap();
         let first_load = job.at_step(0).unwrap();

@@ -28,6 +28,7 @@ pub struct MaterialPoint {
 
 impl Kinematics {
     /// Dimensions of its meshes.
+    #[inline]
     pub fn dim(self) -> usize {
         match self {
             Self::PlaneStrain | Self::Axisymmetric => 2,
@@ -36,6 +37,7 @@ impl Kinematics {
     }
 
     /// Weight of integration at a distance `r` from the axis: the length of the circle in axisymmetry.
+    #[inline]
     pub fn weight(self, r: f64) -> f64 {
         match self {
             Self::Axisymmetric => std::f64::consts::TAU * r,
@@ -44,6 +46,7 @@ impl Kinematics {
     }
 
     /// The material point of a quadrature point in an element with these nodes; `None` where the element is inside out.
+    #[inline]
     pub fn point(self, nodes: &[[f64; 3]], at: &QuadraturePoint) -> Option<MaterialPoint> {
         let dim = self.dim();
         let mut position = [0.0; 3];
@@ -84,6 +87,7 @@ impl Kinematics {
 
 impl MaterialPoint {
     /// Gradient of the displacement with these nodal values (3 entries a node).
+    #[inline]
     pub fn displacement_gradient(&self, dim: usize, displacement: &[[f64; 3]]) -> [[f64; 3]; 3] {
         let mut h = [[0.0; 3]; 3];
         for (a, u) in displacement.iter().enumerate() {
@@ -101,6 +105,7 @@ impl MaterialPoint {
 }
 
 /// Inverse and determinant of a 3 x 3 matrix; `None` where it is singular or not finite.
+#[inline]
 pub fn invert(m: &[[f64; 3]; 3]) -> Option<([[f64; 3]; 3], f64)> {
     let cofactor = cofactor(m);
     let determinant = (0..3).map(|j| m[0][j] * cofactor[0][j]).sum::<f64>();
@@ -109,6 +114,7 @@ pub fn invert(m: &[[f64; 3]; 3]) -> Option<([[f64; 3]; 3], f64)> {
 }
 
 /// Cofactor matrix: the derivative of the determinant.
+#[inline]
 pub fn cofactor(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let minor = |i: usize, j: usize| {
         let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);

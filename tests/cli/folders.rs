@@ -157,7 +157,8 @@ fn a_result_says_what_made_it_and_what_is_true() {
     let scene = include_str!("../../scenes/phantom-size-8mm.toml")
         .replace("pixels = [348, 261]", "pixels = [32, 24]")
         .replace("depths_mm = [1.0, 2.0, 4.0]", "depths_mm = [0.5]\nresolution = 0.5\nestimate_error = false")
-        .replace('\n', "\r\n");
+        + "\n[render]\nmap_texel_mm = 0.5\n";
+    let scene = scene.replace('\n', "\r\n");
     place.write("scene.toml", &scene);
     let flags = ["run", "scene.toml", "--spp", "16", "--photons", "1000", "--backend", "cpu", "--json", "--out=result"];
     let output = tirtouch_in(place.path(), &flags);

@@ -3,12 +3,13 @@
 use super::frames::names;
 use super::*;
 
-/// A phantom of the paper on a coarse mesh, with a small camera.
+/// A phantom of the paper on a coarse mesh, with a small camera and texels that suit it.
 fn scene(more: &str) -> String {
     include_str!("../../scenes/phantom-size-8mm.toml")
         .replace("pixels = [348, 261]", "pixels = [32, 24]")
         .replace("pixel_pitch_um = 18.6 ", "pixel_pitch_um = 202.0 ")
         .replace("depths_mm = [1.0, 2.0, 4.0]", &format!("depths_mm = [0.5, 1.0]\nresolution = 0.5\n{more}"))
+        + "\n[render]\nmap_texel_mm = 0.5\n"
 }
 
 #[test]

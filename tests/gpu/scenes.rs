@@ -3,10 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, Once};
 use tirtouch::mechanics::from_scene::press_setup;
-use tirtouch::mechanics::{self, press::PressSettings};
-use tirtouch::scene::{
-    self, Inner, Lens, LoadedScene, Normals, PRESETS, Pattern, Press, Roughness, Scene, Shape, Walls,
-};
+use tirtouch::mechanics::{self, press::PressSettings, press::Pressed};
+use tirtouch::scene::{self, Inner, Lens, LoadedScene, Normals, PRESETS, Pattern, Press, Roughness, Shape, Walls};
 use tirtouch::surface::{ContactMap, Surface, contact_map, pressed_contact, pressed_surface, surface};
 use tirtouch::trace::Model;
 
@@ -55,21 +53,19 @@ pub fn model(loaded: &LoadedScene) -> Model<f64> {
 
 type Shapes = (Surface, Option<ContactMap>);
 
-/// What a press leaves at its last load. Scenes that differ in their light alone share one.
+/// What a press leaves at its last load. Scenes that differ in their light and their tissue alone share the press.
 fn pressed(loaded: &LoadedScene) -> Shapes {
-    static PRESSES: Mutex<Vec<(String, Shapes)>> = Mutex::new(Vec::new());
-    let Scene { stack, phantom, press, touch, .. } = &loaded.scene;
-    let key = format!("{stack:?} {phantom:?} {press:?} {touch:?} {}", loaded.scene.render.height_field_points);
+    static PRESSES: Mutex<Vec<(String, Pressed)>> = Mutex::new(Vec::new());
+    let setup = press_setup(loaded).unwrap();
+    let key = format!("{setup:?}");
     let mut presses = PRESSES.lock().unwrap();
-    if let Some((_, shapes)) = presses.iter().find(|(known, _)| *known == key) {
-        return shapes.clone();
+    if !presses.iter().any(|(known, _)| *known == key) {
+        let done = mechanics::press::press(&setup, PressSettings::default(), &mut |_| true).unwrap();
+        presses.push((key.clone(), done));
     }
-    let settings = PressSettings::default();
-    let done = mechanics::press::press(&press_setup(loaded).unwrap(), settings, &mut |_| true).unwrap();
+    let done = &presses.iter().find(|(known, _)| *known == key).unwrap().1;
     let step = done.steps.last().unwrap();
-    let shapes = (pressed_surface(loaded, &done, step).unwrap(), pressed_contact(loaded, &done, step));
-    presses.push((key, shapes.clone()));
-    shapes
+    (pressed_surface(loaded, done, step).unwrap(), pressed_contact(loaded, done, step))
 }
 
 pub fn presets() -> Vec<Case> {

@@ -179,7 +179,7 @@ fn a_flat_punch_pressed_down_sticks_in_its_middle() {
             inclusions: Vec::new(),
             footprint: Footprint::Round { radius_mm: 1.0 },
             symmetry: [true, false],
-            resolution: graded(2.0 * size, 2.0 * size, 0.3 * far, 0.5, 2),
+            resolution: graded(2.0 * size, 2.0 * size, 0.3 * far, 1.0, 2),
             offset_mm: [0.0; 2],
         }
         .build_2d()

@@ -18,7 +18,7 @@ fn assembly(poisson: f64, contrast: f64, interface: Interface) -> Assembly {
     (press.dimensions, press.resolution, press.interface) = (Dimensions::Three, 0.3, interface);
     press.edge_radius_mm = Some(0.0);
     let mut setup = press_setup(&loaded).unwrap();
-    setup.phantom.resolution.inclusion_divisions = 2.0;
+    setup.phantom.resolution.inclusion_divisions = 1.0;
     Assembly::new(&setup).unwrap()
 }
 

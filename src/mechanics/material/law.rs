@@ -75,6 +75,7 @@ impl Law {
     ///
     /// `None` when det F is not positive or when something is not finite (the exponential overflows). Hooke's law knows
     /// no det F: it takes every finite F.
+    #[inline]
     pub fn isochoric(&self, f: &Tensor) -> Option<Response> {
         let response = match self {
             Self::Linear { shear_kpa } => linear::respond(f, *shear_kpa),
@@ -91,6 +92,7 @@ impl Law {
 
 impl Response {
     /// Whether no number is infinite or undefined: then their sum is finite too, and the other way round.
+    #[inline]
     pub(super) fn is_finite(&self) -> bool {
         let mut columns = self.stress;
         for row in &self.tangent {

@@ -2,6 +2,7 @@
 
 use super::{Response, Tensor};
 
+#[inline]
 pub(super) fn respond(f: &Tensor, mu: f64) -> Response {
     let strain = deviatoric_strain(f);
     let stress = strain.map(|e| 2.0 * mu * e);
@@ -10,6 +11,7 @@ pub(super) fn respond(f: &Tensor, mu: f64) -> Response {
 }
 
 /// dev sym (F - 1), entry 3 i + j.
+#[inline]
 fn deviatoric_strain(f: &Tensor) -> [f64; 9] {
     let mean = ((f[0][0] - 1.0) + (f[1][1] - 1.0) + (f[2][2] - 1.0)) / 3.0;
     std::array::from_fn(|r| {
@@ -19,6 +21,7 @@ fn deviatoric_strain(f: &Tensor) -> [f64; 9] {
 }
 
 /// mu (d_ik d_jl + d_il d_jk - 2/3 d_ij d_kl).
+#[inline]
 fn tangent(mu: f64) -> [[f64; 9]; 9] {
     let delta = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };
     std::array::from_fn(|r| {

@@ -52,6 +52,7 @@ impl Material {
     /// tangent its derivative, and the energy the incremental potential whose derivative it is (not the stored energy;
     /// only its changes within the step mean something). A step of 0 s is instantaneous, an infinite one relaxes fully.
     /// `None` also for a negative step.
+    #[inline]
     pub fn isochoric(&self, f: &Tensor, history: Option<(&History, f64)>) -> Option<Response> {
         let elastic = self.law.isochoric(f)?;
         let Some((history, dt_s)) = history.filter(|_| !self.relaxation.is_empty()) else {

@@ -12,10 +12,10 @@ use std::sync::Arc;
 
 /// Coarse enough for seconds: the checks below hold on any mesh.
 const COARSE: Resolution = Resolution {
-    edge_mm: 3.0,
-    contact_mm: 4.0,
-    coarsest_mm: 9.0,
-    growth: 1.0,
+    edge_mm: 4.0,
+    contact_mm: 6.0,
+    coarsest_mm: 14.0,
+    growth: 1.5,
     rim_mm: 0.0,
     rim_divisions: 1.0,
     inclusion_divisions: 1.0,
@@ -117,7 +117,14 @@ fn the_quarter_agrees_with_axisymmetry_within_a_percent() {
     for (ball, soft, rim) in [(false, false, 0.5), (true, true, 0.0), (true, true, 0.5)] {
         let balls = if ball { vec![sphere([0.0, 0.0, 9.0], 4.0)] } else { Vec::new() };
         let mut setup = soft_press(linear, balls, [true, true]);
-        let coarse = Resolution { edge_mm: 1.4, contact_mm: 3.0, coarsest_mm: 6.0, growth: 0.7, ..Resolution::SOLID };
+        let coarse = Resolution {
+            edge_mm: 1.4,
+            contact_mm: 3.5,
+            coarsest_mm: 8.0,
+            growth: 0.9,
+            inclusion_divisions: 3.0,
+            ..Resolution::SOLID
+        };
         setup.phantom.resolution = coarse;
         match &mut setup.sensor {
             SensorBody::Layers { edge_radius_mm, .. } if soft => *edge_radius_mm = rim,

@@ -142,12 +142,11 @@ fn at_point(path: &Path<f64>, site: &Site, sources: &[(&Led<f64>, &[Row])], at: 
                 // There and back along the row, so that its ends meet.
                 let turn = (place as f64 + shift) / PLACES as f64;
                 let aside = along - led.along - row.half * (1.0 - 2.0 * (2.0 * turn - 1.0).abs());
-                let r = depth.hypot(aside);
+                let r = (depth * depth + aside * aside).sqrt();
                 let g = ((r - site.near) * per_mm).max(0.0);
                 let k = (g as usize).min(site.steps - 1);
                 let area = row.area / PLACES as f64 * depth / r;
-                for (m, terms) in row.terms.iter().enumerate() {
-                    let term = terms[k].mix(&terms[k + 1], g - k as f64);
+                for (m, term) in row.between(k, g - k as f64).enumerate() {
                     let radiance = if even {
                         led.radiance
                     } else {
@@ -182,9 +181,10 @@ fn radiance(path: &Path<f64>, spot: &Spot, led: &Led<f64>, row: &Row, term: &Ter
 /// For the mirrors of a path on the touched face: what those below tissue reflect over what they would without.
 fn below_tissue(path: &Path<f64>, spot: &Spot, term: &Term, reflections: usize, at: [f64; 2], way: [f64; 2]) -> f64 {
     let mut share = 1.0;
+    let distance = (way[0] * way[0] + way[1] * way[1]).sqrt();
     for turn in 1..=reflections / 2 {
         // Back from the point by twice the way across the stack.
-        let back = 2.0 * turn as f64 * term.across / way[0].hypot(way[1]);
+        let back = 2.0 * turn as f64 * term.across / distance;
         let [x, y] = spot.back(at, way.map(|way| back * way));
         if path.tissue_here(x, y) {
             let layer = path.model.layers[path.model.faces.len() - 1];

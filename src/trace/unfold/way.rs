@@ -28,7 +28,8 @@ pub struct Term {
 
 impl Term {
     /// Between this and the next.
-    pub fn mix(&self, next: &Self, u: f64) -> Self {
+    #[inline]
+    fn mix(&self, next: &Self, u: f64) -> Self {
         let mix = |a: f64, b: f64| a + u * (b - a);
         Self {
             enters: [0, 1].map(|k| mix(self.enters[k], next.enters[k])),
@@ -47,8 +48,18 @@ pub struct Row {
     pub area: f64,
     /// Index of its layer.
     pub n: f64,
-    /// By the number of reflections, then by the distance.
-    pub terms: Vec<Vec<Term>>,
+    /// By the distance, then by the number of reflections: those of one distance are read together.
+    terms: Vec<Term>,
+    reflections: usize,
+}
+
+impl Row {
+    /// Between the terms of two neighbouring distances, `u` of the way from the first: one a number of reflections.
+    #[inline]
+    pub fn between(&self, first: usize, u: f64) -> impl Iterator<Item = Term> {
+        let (here, next) = self.terms[first * self.reflections..].split_at(self.reflections);
+        here.iter().zip(next).map(move |(here, next)| here.mix(next, u))
+    }
 }
 
 /// Thickness of a layer, mm.
@@ -68,17 +79,19 @@ pub fn rows_of(model: &Model<f64>, led: &Led<f64>, site: &Site, reflections: u32
             let layer = (1..model.faces.len()).find(|&k| height <= model.faces[k].z).unwrap_or(model.faces.len() - 1);
             let distance = |k: usize| site.near + (site.far - site.near) * k as f64 / site.steps as f64;
             let path = Path::new(model, Limits::default());
-            let term = |m: u32| {
-                let way = Way::new(model, height, layer, m);
-                let mut t = 0.0;
-                (0..=site.steps).map(|k| way.term(&path, distance(k).max(1e-9), &mut t)).collect()
-            };
+            let mut ways: Vec<(Way, f64)> =
+                (0..reflections).map(|m| (Way::new(model, height, layer, m), 0.0)).collect();
+            let mut terms = Vec::with_capacity(ways.len() * (site.steps + 1));
+            for k in 0..=site.steps {
+                terms.extend(ways.iter_mut().map(|(way, t)| way.term(&path, distance(k).max(1e-9), t)));
+            }
             let half = led.radius * sin;
             Row {
                 half,
                 area: 2.0 * half * half * PI / ROWS as f64,
                 n: model.layers[layer].n,
-                terms: (0..reflections).map(term).collect(),
+                terms,
+                reflections: ways.len(),
             }
         })
         .collect()
