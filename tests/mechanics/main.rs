@@ -23,6 +23,7 @@ mod rates;
 mod relaxation;
 mod shells;
 mod sliding;
+mod wall;
 
 impl answers::Answer {
     /// Error of a figure, relative where the exact value is not 0.
