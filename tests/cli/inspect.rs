@@ -76,7 +76,8 @@ fn gains_name_what_is_left_out_and_leave_the_image_as_it_is() {
     let cap = "{ kind = \"spherical_dent\", depth_mm = 1.0, radius_mm = 4.0 }";
     let dent = small("dent-cap").replace(cap, "{ kind = \"gaussian_dent\", depth_mm = 1.0, sigma_mm = 2.0 }");
     assert!(!dent.contains(cap));
-    for (scene, pieces) in [(small("tsis-paper"), 8), (small("contact-disc"), 9), (dent, 9)] {
+    // Between them they leave out every piece, and neither is dark.
+    for (scene, pieces) in [(small("contact-disc"), 9), (dent, 9)] {
         let scene = place.write("scene.toml", &scene.replace("photons = 65536", "photons = 8192"));
         let output = tirtouch_in(place.path(), &["inspect", &scene, "--gains", "--rounds", "2", "--json", "--quiet"]);
         assert_eq!(code(&output), 0, "{output:?}");
