@@ -90,7 +90,7 @@ impl Plan {
 impl PhantomMesh {
     /// The mesh of hexahedra in (x, y, z).
     ///
-    /// Inclusions have boxes where these can stand apart within the contact's circle, or are [fitted](super::fit) into
+    /// Inclusions have boxes where these can stand apart within the contact's circle, or are fitted into
     /// a mesh that carries the contact's edge.
     ///
     /// # Errors
