@@ -67,7 +67,8 @@ fn a_press_of_nothing_is_refused() {
 #[test]
 fn a_press_beyond_the_memory_is_refused_with_what_would_fit() {
     let place = Place::new();
-    place.write("scene.toml", &scene("dimensions = \"three\"").replace("resolution = 0.5", "resolution = 1.0"));
+    let scene = scene("dimensions = \"three\"").replace("[0.5, 1.0]\nresolution = 0.5", "[0.5]\nresolution = 1.0");
+    place.write("scene.toml", &scene);
     let limited = |gib: &str, arguments: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tirtouch"));
         command.args(arguments).current_dir(place.path()).env("TIRTOUCH_MEMORY_GIB", gib).output().unwrap()

@@ -106,17 +106,6 @@ pub fn sums<const K: usize, T: Real>(
         .reduce(|| [0.0; K], |a, b| std::array::from_fn(|k| a[k] + b[k]))
 }
 
-/// Paths that a share of this size needs to be good for so many digits, as [`Share::is`] asks; a multiple of 64.
-pub fn enough(expected: f64, digits: i32) -> u64 {
-    let n = (4.0 / half_unit(expected, digits)).powi(2) * expected * (1.0 - expected);
-    (n as u64 / 64 + 1) * 64
-}
-
-/// Half a unit of a number's last digit, of so many.
-fn half_unit(number: f64, digits: i32) -> f64 {
-    0.5 * 10f64.powi(number.log10().floor() as i32 + 1 - digits)
-}
-
 /// Counts the paths on which `trial` holds; `n` is a multiple of 64.
 pub fn count<T: Real>(model: &Model<T>, seed: u32, n: u64, trial: impl Fn(&mut Path<T>) -> bool + Sync) -> Share {
     let [hits] = sums(model, seed, n, |path| [f64::from(u8::from(trial(path)))]);
@@ -136,7 +125,7 @@ impl Share {
     /// Holds the share to a probability: within four standard errors, which must be good for so many digits of it.
     pub fn is(self, what: &str, expected: f64, digits: i32) {
         let four = 4.0 * (expected * (1.0 - expected) / self.of).sqrt();
-        let half_unit = half_unit(expected, digits);
+        let half_unit = 0.5 * 10f64.powi(expected.log10().floor() as i32 + 1 - digits);
         let found = self.hits / self.of;
         println!("{what}: {found:.6} for {expected:.6}, 4 standard errors {four:.1e}");
         assert!(four <= half_unit, "{what}: 4 standard errors are {four:.1e}, half a unit {half_unit:.1e}");

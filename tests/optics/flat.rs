@@ -26,7 +26,7 @@ fn an_incoherent_slab_transmits_0_941288_at_30_and_0_926946_at_45_degrees() {
         // The sum over all orders, (1 - R)/(1 + R), and the printed digits.
         close("slab", 1.0 - incoherent_slab(r, r), (1.0 - r) / (1.0 + r), 1e-12);
         close("slab, listed", (1.0 - r) / (1.0 + r), listed, 5e-7);
-        bench::count(&model, 4, bench::enough(listed, 3), |path| {
+        bench::count(&model, 4, 1 << 24, |path| {
             bench::put(path, 0, [0.0; 3], [sin, 0.0, cos]);
             enter(path, true) && path.walk() == End::Top
         })
@@ -43,7 +43,7 @@ fn isotropic_light_in_a_slab_is_trapped_by_the_cosine_of_the_critical_angle() {
         let mut loaded = bench::stack(&[[1.0, n]]);
         loaded.scene.stack.footprint_mm = [1e6, 1e6];
         let model = bench::model(&loaded).cast::<f32>();
-        bench::count(&model, 5, bench::enough(listed, 3), |path| {
+        bench::count(&model, 5, 1 << 24, |path| {
             let cos = 2.0 * f64::from(path.draw()) - 1.0;
             bench::put(path, 1, [0.0, 0.0, 0.5], [n * (1.0 - cos * cos).sqrt(), 0.0, n * cos]);
             // Trapped light takes no random number at either face (or grazes to a wall before).

@@ -45,7 +45,7 @@ fn small_roughness_takes_its_share_of_the_refracted_light_too() {
     let model = rough(Roughness::Small { rms_nm: 100.0, lobe_slope: LOBE });
     let phase = 2.0 * PI * 100.0 * 0.41 / WAVELENGTH_NM;
     let share = -(-phase * phase).exp_m1() * (1.0 - (0.41f64 / 2.41).powi(2));
-    bench::count(&model, 31, bench::enough(share, 3), |path| {
+    bench::count(&model, 31, 1 << 24, |path| {
         bench::put(path, 1, [0.0, 0.0, 1.0], incident(0.0));
         path.meet(1, V3::up(), 1.0) && path.p.x.hypot(path.p.y) > 1e-12
     })
@@ -90,7 +90,7 @@ fn microfacets_seen_head_on_are_tilted_as_ggx_says() {
             .sum::<f64>()
             / f64::from(steps);
         let model = rough(Roughness::Microfacet { alpha }).cast::<f32>();
-        bench::count(&model, 35, bench::enough(mean, 2), |path| {
+        bench::count(&model, 35, 1 << 23, |path| {
             bench::put(path, 1, [0.0, 0.0, 1.0], incident(0.0));
             !path.meet(1, V3::up(), 1.0)
         })

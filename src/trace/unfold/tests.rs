@@ -124,15 +124,17 @@ fn unfolding_finds_the_light_of_the_photons_that_it_replaces() {
     // One reflection that photons leave out and unfolding does not find; mirrors below tissue that reflect as if all
     // were contact.
     let model = thin();
+    // These are seen in a quarter of the batches.
+    let quarter = |batches: &[Vec<f64>]| batches[..BATCHES as usize / 4].to_vec();
     let few = Model { unfolded: 3, ..model.clone() };
-    assert!(worst(&by_photons, &few) > 2.0, "reflections that are left out are not noticed");
+    assert!(worst(&quarter(&by_photons), &few) > 2.0, "reflections that are left out are not noticed");
     let tissue = model.tissue.clone().map(|tissue| Tissue { share: 1.0, ..tissue });
-    assert!(worst(&by_photons, &Model { tissue, ..model }) > 2.0, "what tissue mirrors is not noticed");
+    assert!(worst(&quarter(&by_photons), &Model { tissue, ..model }) > 2.0, "what tissue mirrors is not noticed");
     let model = half_space(0.1);
     let by_photons = replaced(&model);
     assert!(worst(&by_photons, &model) < 2.0, "{}", worst(&by_photons, &model));
     // That sends back a sixth less.
-    assert!(worst(&by_photons, &half_space(0.2)) > 2.0, "darker tissue is not noticed");
+    assert!(worst(&quarter(&by_photons), &half_space(0.2)) > 2.0, "darker tissue is not noticed");
 }
 
 #[test]
