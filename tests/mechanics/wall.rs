@@ -9,8 +9,8 @@ use tirtouch::mechanics::problem::State;
 use tirtouch::mechanics::read_out::reactions;
 
 const DEPTH_MM: f64 = 5.0;
-/// Of the default mesh.
-const DIVISIONS: usize = 2;
+/// Half as fine as the default mesh.
+const DIVISIONS: usize = 1;
 
 fn pressed(assembly: &Assembly) -> State {
     let problem = &assembly.problem;
@@ -37,24 +37,24 @@ fn inside_mm(assembly: &Assembly, state: &State) -> f64 {
 #[test]
 fn the_face_around_a_tied_sensor_stays_out_of_its_side_wall() {
     let mut assembly = Assembly::new(&setup(true, DIVISIONS)).unwrap();
-    let found = inside_mm(&assembly, &pressed(&assembly));
+    let state = pressed(&assembly);
+    assert_forces_balance(&assembly, &state);
+    let found = inside_mm(&assembly, &state);
     assembly.problem.contacts.truncate(1);
     let through = inside_mm(&assembly, &pressed(&assembly));
     println!("inside by {found:.5} mm, {through:.5} mm where nothing is in the way");
     // Gaps close in the mean over a node's share of the face, not at each node.
     assert!(found < 0.01, "{found} mm inside");
-    assert!(through > 0.05, "{through} mm inside without a wall");
+    assert!(through > 0.02, "{through} mm inside without a wall");
 }
 
 /// A contact that is forgotten in the force does not balance the support of the phantom's base.
-#[test]
-fn bond_and_wall_together_bear_what_the_base_presses_with() {
-    let assembly = Assembly::new(&setup(true, DIVISIONS)).unwrap();
-    let (problem, state) = (&assembly.problem, pressed(&assembly));
-    let supports = reactions(problem, &state).unwrap();
+fn assert_forces_balance(assembly: &Assembly, state: &State) {
+    let problem = &assembly.problem;
+    let supports = reactions(problem, state).unwrap();
     let base = assembly.bodies[0].boundary_nodes(Boundary::Base);
     let pressing = -base.iter().map(|&a| supports[a as usize][1]).sum::<f64>();
-    let borne = |contact| contact_points(problem, contact, &state).iter().map(|point| point.force_mn).sum::<f64>();
+    let borne = |contact| contact_points(problem, contact, state).iter().map(|point| point.force_mn).sum::<f64>();
     let [bond, wall] = [borne(0), borne(1)];
     println!("{pressing} mN; bond {bond}, wall {wall}");
     assert!(((bond + wall) / pressing - 1.0).abs() < 1e-6, "{pressing} mN; bond {bond}, wall {wall}");

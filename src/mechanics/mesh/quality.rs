@@ -27,28 +27,42 @@ fn shapes(x: f64) -> [[f64; 3]; 2] {
     [[0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], [x - 0.5, -2.0 * x, x + 0.5]]
 }
 
-/// Position in an element at local coordinates.
-pub(super) fn position(dim: usize, nodes: &[[f64; 3]], local: [f64; 3]) -> [f64; 3] {
-    weighted(nodes, |a| (0..dim).map(|axis| shapes(local[axis])[0][a / 3usize.pow(axis as u32) % 3]).product())
+/// Shape functions along each axis at local coordinates: values and slopes; those of axes beyond `dim` are 1 and constant.
+fn along_axes(dim: usize, local: [f64; 3]) -> [[[f64; 3]; 2]; 3] {
+    [0, 1, 2].map(|axis| if axis < dim { shapes(local[axis]) } else { [[1.0, 0.0, 0.0], [0.0; 3]] })
 }
 
-fn weighted(nodes: &[[f64; 3]], weight: impl Fn(usize) -> f64) -> [f64; 3] {
+/// Sum of an element's nodes, each times the product of its three weights along the axes; x runs fastest.
+fn weighted(nodes: &[[f64; 3]], weights: [[f64; 3]; 3]) -> [f64; 3] {
+    let [along_x, along_y, along_z] = weights;
     let mut sum = [0.0; 3];
-    for (a, node) in nodes.iter().enumerate() {
-        let w = weight(a);
-        (0..3).for_each(|i| sum[i] += w * node[i]);
+    for (plane, z) in nodes.chunks(9).zip(along_z) {
+        for (row, y) in plane.chunks(3).zip(along_y) {
+            for (node, x) in row.iter().zip(along_x) {
+                let weight = x * y * z;
+                (0..3).for_each(|i| sum[i] += weight * node[i]);
+            }
+        }
     }
     sum
+}
+
+/// Position in an element at local coordinates.
+pub(super) fn position(dim: usize, nodes: &[[f64; 3]], local: [f64; 3]) -> [f64; 3] {
+    weighted(nodes, along_axes(dim, local).map(|[values, _]| values))
+}
+
+/// Tangent along one local axis.
+fn tangent(nodes: &[[f64; 3]], shape: &[[[f64; 3]; 2]; 3], along: usize) -> [f64; 3] {
+    weighted(nodes, [0, 1, 2].map(|axis| shape[axis][usize::from(axis == along)]))
 }
 
 /// Determinant of an element's Jacobian at local coordinates and the lengths of its columns.
 pub(super) fn jacobian(dim: usize, nodes: &[[f64; 3]], local: [f64; 3]) -> (f64, [f64; 3]) {
     let mut columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let shape = local.map(shapes);
+    let shape = along_axes(dim, local);
     for (along, column) in columns.iter_mut().enumerate().take(dim) {
-        *column = weighted(nodes, |a| {
-            (0..dim).map(|axis| shape[axis][usize::from(axis == along)][a / 3usize.pow(axis as u32) % 3]).product()
-        });
+        *column = tangent(nodes, &shape, along);
     }
     let [a, b, c] = columns;
     let determinant =
@@ -129,13 +143,9 @@ impl Mesh {
 pub(super) fn face_measure(dim: usize, nodes: &[[f64; 3]]) -> f64 {
     let mut sum = 0.0;
     for (at, weight) in gauss(dim - 1) {
-        let tangent = |along: usize| {
-            weighted(nodes, |a| {
-                (0..dim - 1).map(|i| shapes(at[i])[usize::from(i == along)][a / 3usize.pow(i as u32) % 3]).product()
-            })
-        };
-        let t = tangent(0);
-        let s = if dim == 3 { tangent(1) } else { [0.0, 0.0, 1.0] };
+        let shape = along_axes(dim - 1, at);
+        let t = tangent(nodes, &shape, 0);
+        let s = if dim == 3 { tangent(nodes, &shape, 1) } else { [0.0, 0.0, 1.0] };
         let normal = [t[1] * s[2] - t[2] * s[1], t[2] * s[0] - t[0] * s[2], t[0] * s[1] - t[1] * s[0]];
         sum += weight * normal.iter().map(|x| x * x).sum::<f64>().sqrt();
     }

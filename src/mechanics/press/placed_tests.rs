@@ -92,28 +92,28 @@ fn in_block(sphere_x: f64, offset: f64) -> Pressed {
 
 #[test]
 fn a_wide_block_off_the_axis_is_as_one_whose_inclusion_is_aside() {
-    let [moved, aside, middle] = [(4.0, 4.0), (4.0, 0.0), (0.0, 0.0)].map(|(x, offset)| in_block(x, offset));
+    let [moved, aside] = [4.0, 0.0].map(|offset| in_block(4.0, offset));
     assert_forces_balance(&moved);
-    let [force, other, without] = [&moved, &aside, &middle].map(|pressed| pressed.steps[0].force_n);
+    let [force, other] = [&moved, &aside].map(|pressed| pressed.steps[0].force_n);
     let [moment, beside] = [&moved, &aside].map(|pressed| moments(pressed)[0]);
-    println!("forces {force} {other} {without}, moments {moment} {beside}");
+    println!("forces {force} {other}, moments {moment} {beside}");
     // The block's sides are 51 mm and more from the contact's edge, twice its height.
     assert!((force / other - 1.0).abs() < 1e-3, "{force} {other}");
     // Where the force acts, mm: the sides still draw it, by 0.005 (by 0.035 in a block half as wide).
     assert!((moment - beside).abs() < 0.01 * force, "{moment} {beside}");
-    // A sphere left behind would not press so.
-    assert!((moment - moments(&middle)[0]).abs() > 0.03 * force);
+    // A sphere left behind, in the middle, would leave no moment.
+    assert!(moment.abs() > 0.03 * force);
 }
 
 #[test]
 fn a_fitted_sphere_presses_as_one_in_a_box() {
     let stiff = sphere([4.0, 0.0, 9.0], 4.0);
-    let alone = soft_press(linear, vec![stiff.clone()], [false; 2]);
+    let alone = soft_press(linear, vec![stiff.clone()], [false, true]);
     // A second of the body's own material is not felt; its box collides with the first's, which is then fitted.
-    let mut pair = soft_press(linear, vec![stiff, sphere([7.2, 3.2, 12.2], 1.0)], [false; 2]);
+    let mut pair = soft_press(linear, vec![stiff, sphere([8.2, 0.0, 12.2], 1.0)], [false, true]);
     pair.phantom_materials[2] = linear(5.0);
     let [boxed, fitted] = [alone, pair].map(|mut setup| {
-        setup.phantom.resolution.inclusion_divisions = 2.0;
+        setup.phantom.resolution.inclusion_divisions = 1.5;
         (setup.phantom.boxed().unwrap(), run(&setup))
     });
     assert!(boxed.0 && !fitted.0);

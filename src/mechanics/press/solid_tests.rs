@@ -114,7 +114,7 @@ pub(super) fn assert_forces_balance(pressed: &Pressed) {
 
 #[test]
 fn the_quarter_agrees_with_axisymmetry_within_a_percent() {
-    for (ball, soft, rim) in [(false, false, 0.5), (true, true, 0.0), (true, true, 0.5)] {
+    for (ball, soft, rim) in [(false, false, 0.5), (true, true, 0.0)] {
         let balls = if ball { vec![sphere([0.0, 0.0, 9.0], 4.0)] } else { Vec::new() };
         let mut setup = soft_press(linear, balls, [true, true]);
         let coarse = Resolution {
