@@ -115,6 +115,7 @@ fn tied_setup(law: LawName, depth_mm: f64, resolution: Resolution, nu: f64) -> R
             symmetry: [true, true],
             resolution,
             offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
         },
         phantom_materials: vec![material(5.0)?, material(120.0)?],
         sensor: SensorBody::Rigid { edge_radius_mm: 0.5 },
@@ -186,6 +187,7 @@ fn hertz(rung: usize, nu: f64) -> Result<(Mesh, Value)> {
             subdivision: rung,
         },
         offset_mm: [0.0; 2],
+        layers_mm: Vec::new(),
     }
     .build_2d()?;
     let material = Material::linear(1.0, nu)?;

@@ -105,21 +105,26 @@ impl Job {
     /// The job of the same load without inclusions, with random numbers of its own.
     pub fn baseline(&self, quiet: bool) -> Result<Self, Failure> {
         let file = &self.file;
-        let Some((pressed, step)) = &self.press else {
+        let Some((pressed, number)) = &self.press else {
             let message =
                 format!("{}: there is no baseline to subtract, since the scene presses nothing", file.display());
             return Err(Failure::usage(message).in_file(file));
         };
         let mut loaded = self.loaded.clone();
-        // Only the traced load, at the depth that it reached.
-        if let (Some(press), Some(step)) = (&mut loaded.scene.press, pressed.steps.get(*step)) {
-            (press.depths_mm, press.forces_n) = (Some(vec![step.depth_mm]), None);
+        // The traced load, at the depth that it reached, or the steps that lead to it.
+        if let (Some(press), Some(step)) = (&mut loaded.scene.press, pressed.steps.get(*number)) {
+            if press.step.is_empty() {
+                (press.depths_mm, press.forces_n) = (Some(vec![step.depth_mm]), None);
+            } else {
+                press.step.truncate(number + 1);
+            }
             press.estimate_error = false;
         }
         let wanted = Wanted { without_inclusions: true, coarse: false, quiet };
         let pressed = Rc::new(press_scene(&loaded, file, wanted).map_err(|stopped| stopped.failure)?);
         let streams = Streams { role: Role::Baseline, ..self.streams.clone() };
-        Self::build(loaded, Some((pressed, 0)), self.settings.clone(), streams, file.clone())
+        let last = pressed.steps.len().saturating_sub(1);
+        Self::build(loaded, Some((pressed, last)), self.settings.clone(), streams, file.clone())
     }
 
     fn build(

@@ -24,6 +24,7 @@ mod page;
 mod press;
 mod press_files;
 mod press_page;
+mod press_vtu;
 mod pressing;
 mod progress;
 mod regimes;

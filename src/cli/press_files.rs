@@ -1,12 +1,12 @@
 //! Files and pictures of a press.
 
-use super::facts::figure;
-use super::pressing::setting;
+use super::press_vtu::write_vtu;
+use super::pressing::{load_name, setting};
 use super::{Failure, OutputFolder};
 use crate::mechanics::kinematics::Kinematics;
-use crate::mechanics::press::{PressStep, Pressed, element_least_jacobian, element_pressure};
+use crate::mechanics::press::{Load, PressStep, Pressed, element_pressure};
 use crate::report::{AxisName, ColorScale, Curve, CurvePlot, CurveStyle, Raster, curve_plot, false_color};
-use crate::report::{MeshBody, MeshPicture, MeshValues, Values, Vtu, VtuError, mesh_picture};
+use crate::report::{MeshBody, MeshPicture, MeshValues, mesh_picture};
 use crate::surface::pressed::pressure_map;
 use std::fmt::Write;
 
@@ -18,7 +18,7 @@ pub(super) struct PressPictures {
     pub pressure: String,
 }
 
-/// Writes contact.csv, deformed.vtu and the pictures.
+/// Writes contact.csv, deformed.vtu and deformed.pvd, and the pictures.
 pub(super) fn write_press(
     name: &str,
     pressed: &Pressed,
@@ -26,9 +26,7 @@ pub(super) fn write_press(
     folder: &OutputFolder,
 ) -> Result<PressPictures, Failure> {
     folder.write("contact.csv", &contact_csv(pressed))?;
-    if let Some(step) = pressed.steps.last() {
-        folder.write_bytes("deformed.vtu", &vtu(pressed, step, lift_mm)?)?;
-    }
+    write_vtu(pressed, lift_mm, folder)?;
     let pictures = pictures(name, pressed)?;
     if let Some(mesh) = &pictures.mesh {
         folder.write("mesh.svg", mesh)?;
@@ -44,16 +42,19 @@ fn contact_csv(pressed: &Pressed) -> String {
         true => ("x_mm,y_mm", "displacement_x_mm,displacement_y_mm,displacement_z_mm"),
         false => ("r_mm", "displacement_r_mm,displacement_z_mm"),
     };
-    let mut csv = format!("depth_mm,{place},pressure_kpa,shear_kpa,gap_mm,{moved}\n");
-    for step in &pressed.steps {
+    let in_steps = matches!(pressed.setup.load, Load::Path(_));
+    let load = if in_steps { "step,depth_mm,slide_x_mm,slide_y_mm" } else { "depth_mm" };
+    let mut csv = format!("{load},{place},pressure_kpa,shear_kpa,gap_mm,{moved}\n");
+    for (number, step) in (1..).zip(&pressed.steps) {
+        let [x, y] = step.slide_mm;
+        let load = if in_steps { format!("{number},{},{x},{y}", step.depth_mm) } else { step.depth_mm.to_string() };
         for point in &step.points {
             let numbers =
                 |v: [f64; 3], count: usize| v[..count].iter().map(|c| format!("{c:.9e}")).collect::<Vec<_>>().join(",");
             let dim = if solid { 3 } else { 2 };
             let _ = writeln!(
                 csv,
-                "{},{},{:.9e},{:.9e},{:.9e},{}",
-                step.depth_mm,
+                "{load},{},{:.9e},{:.9e},{:.9e},{}",
                 numbers(point.reference_mm, dim - 1),
                 point.pressure_kpa,
                 point.shear_kpa,
@@ -63,21 +64,6 @@ fn contact_csv(pressed: &Pressed) -> String {
         }
     }
     csv
-}
-
-fn vtu(pressed: &Pressed, step: &PressStep, lift_mm: f64) -> Result<Vec<u8>, Failure> {
-    let problem = &pressed.assembly.problem;
-    let bodies: Vec<_> = pressed.assembly.bodies.iter().collect();
-    let wrong = |error: VtuError| Failure::failed(format!("deformed.vtu: {error}"));
-    let mut vtu = Vtu::of_bodies(&bodies, lift_mm).map_err(wrong)?;
-    vtu.point_vectors("displacement_mm", &step.state.displacement).map_err(wrong)?;
-    let size = problem.mesh.element_size();
-    let pressure = element_pressure(problem, &step.state);
-    let mean = pressure.chunks(size).map(|nodes| nodes.iter().sum::<f64>() / size as f64);
-    vtu.cell_field("pressure_kpa", 1, Values::Float(mean.collect())).map_err(wrong)?;
-    let least = element_least_jacobian(problem, &step.state);
-    vtu.cell_field("least_jacobian", 1, Values::Float(least)).map_err(wrong)?;
-    Ok(vtu.to_bytes())
 }
 
 fn pictures(name: &str, pressed: &Pressed) -> Result<PressPictures, Failure> {
@@ -108,7 +94,7 @@ fn mesh(name: &str, pressed: &Pressed, step: &PressStep) -> Result<String, Failu
     });
     let bodies = bodies.collect();
     Ok(mesh_picture(&MeshPicture {
-        title: &format!("{name}: pressed by {} mm", figure(step.depth_mm)),
+        title: &format!("{name}: pressed by {}", load_name(step)),
         subtitle: &format!("phantom above, sensor below · {} · deformation to scale", setting(&pressed.setup)),
         bodies,
         values: AxisName { quantity: "pressure", unit: "kPa" },
@@ -123,7 +109,7 @@ fn curves(name: &str, pressed: &Pressed) -> Result<String, Failure> {
     let curve = |step: &PressStep| {
         let place = |point: &crate::mechanics::press::ContactPoint| point.reference_mm[0] + point.displacement_mm[0];
         let points: Vec<[f64; 2]> = step.points.iter().map(|p| [place(p), p.pressure_kpa]).collect();
-        Curve { name: format!("{} mm", figure(step.depth_mm)), points, band: Vec::new(), style: CurveStyle::Line }
+        Curve { name: load_name(step), points, band: Vec::new(), style: CurveStyle::Line }
     };
     let peak = pressed.steps.iter().map(|step| step.peak_pressure_kpa).fold(0.0, f64::max);
     Ok(curve_plot(&CurvePlot {
@@ -152,5 +138,5 @@ fn map(name: &str, pressed: &Pressed, step: &PressStep) -> Result<String, Failur
         unit: "kPa",
         mm_per_pixel: Some(2.0 * reach[0] / columns as f64),
     };
-    Ok(false_color(&format!("{name}: contact pressure at {} mm", figure(step.depth_mm)), &raster, ColorScale::Linear)?)
+    Ok(false_color(&format!("{name}: contact pressure at {}", load_name(step)), &raster, ColorScale::Linear)?)
 }

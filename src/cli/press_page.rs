@@ -5,7 +5,7 @@ use super::facts::figure;
 use super::output::command_line;
 use super::page::picture;
 use super::press_files::PressPictures;
-use super::pressing::press_rows;
+use super::pressing::{load_name, press_rows};
 use super::truth::Truth;
 use crate::mechanics::press::Pressed;
 use crate::report::{Item, Report, Section, Table};
@@ -59,14 +59,14 @@ pub(super) fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Sect
     let percent = |share: Option<f64>| share.map_or("-".to_owned(), |share| figure(100.0 * share));
     let rows = pressed.steps.iter().map(|step| {
         vec![
-            figure(step.depth_mm),
+            load_name(step),
             format!("{:.4}", step.force_n),
             format!("{:.4}", step.peak_pressure_kpa),
             percent(step.error.map(|error| error.rms)),
             percent(step.error.map(|error| error.force)),
         ]
     });
-    let columns = ["depth (mm)", "force (N)", "peak pressure (kPa)", "error of pressure (% rms)", "error of force (%)"];
+    let columns = ["load", "force (N)", "peak pressure (kPa)", "error of pressure (% rms)", "error of force (%)"];
     items.push(Item::Table(Table {
         caption: "Presses; errors are estimated from a second mesh of twice the element size".into(),
         columns: columns.map(str::to_owned).to_vec(),

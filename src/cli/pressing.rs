@@ -123,10 +123,28 @@ pub(super) fn press_json(pressed: &Pressed) -> Value {
     object
 }
 
+/// A load in words.
+pub(super) fn load_name(step: &PressStep) -> String {
+    let mut name = format!("{} mm", figure(step.depth_mm));
+    let [x, y] = step.slide_mm;
+    match [x != 0.0, y != 0.0] {
+        [false, false] => {}
+        [true, false] => name += &format!(", slid by {} mm", figure(x)),
+        [false, true] => name += &format!(", slid by {} mm along y", figure(y)),
+        [true, true] => name += &format!(", slid by {} and {} mm", figure(x), figure(y)),
+    }
+    if step.hold_s > 0.0 {
+        name += &format!(", held {} s", figure(step.hold_s));
+    }
+    name
+}
+
 fn step_json(step: &PressStep) -> Value {
     let undefined = json!({"undefined": "press.estimate_error is off"});
     json!({
         "depth_mm": step.depth_mm,
+        "slide_mm": step.slide_mm,
+        "hold_s": step.hold_s,
         "force_n": step.force_n,
         "peak_pressure_kpa": step.peak_pressure_kpa,
         "pressure_error": step.error.map_or(undefined.clone(), |error| json!(error.rms)),
@@ -156,7 +174,7 @@ pub(super) fn press_rows(pressed: &Pressed) -> Vec<(String, String)> {
             None => String::new(),
         };
         let force = format!("{} N, peak pressure {} kPa{error}", figure(step.force_n), figure(step.peak_pressure_kpa));
-        row(&format!("{} mm", figure(step.depth_mm)), force)
+        row(&load_name(step), force)
     }));
     rows
 }

@@ -10,6 +10,7 @@ use super::shot::Shot;
 use super::truth::Truth;
 use super::{Common, Failure, Outcome, OutputFolder, print};
 use crate::estimate::{GreyImage, Value as Estimate};
+use crate::mechanics::press::Load;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -93,7 +94,7 @@ fn baseline(job: &Job, common: &Common, folder: &OutputFolder) -> Result<Referen
     Ok(Reference { image: GreyImage::from_frame(&shot.frame)?, film: Some(shot.outcome.film) })
 }
 
-/// Frames of the loads before the last, written as camera_DEPTHmm.png.
+/// Frames of the loads before the last, written as camera_DEPTHmm.png, or of the steps as camera_NUMBER.png.
 fn earlier_loads(job: &Job, common: &Common, folder: &OutputFolder) -> Result<Vec<Value>, Failure> {
     let Some((pressed, _)) = job.pressed() else { return Ok(Vec::new()) };
     let before = pressed.steps.len().saturating_sub(1);
@@ -101,9 +102,14 @@ fn earlier_loads(job: &Job, common: &Common, folder: &OutputFolder) -> Result<Ve
     for (k, step) in pressed.steps[..before].iter().enumerate() {
         let job = job.at_step(k)?;
         let shot = Shot::take(&job, common.talk.quiet)?;
-        let file = format!("camera_{}mm.png", figure(step.depth_mm));
+        let file = match pressed.setup.load {
+            Load::Path(_) => format!("camera_{}.png", k + 1),
+            _ => format!("camera_{}mm.png", figure(step.depth_mm)),
+        };
         shot.write_frame(folder, &file)?;
-        frames.push(json!({"depth_mm": step.depth_mm, "file": file, "camera": shot.json()["camera"]}));
+        let [depth, slide, hold] = [json!(step.depth_mm), json!(step.slide_mm), json!(step.hold_s)];
+        let camera = &shot.json()["camera"];
+        frames.push(json!({"depth_mm": depth, "slide_mm": slide, "hold_s": hold, "file": file, "camera": camera}));
     }
     Ok(frames)
 }

@@ -15,6 +15,8 @@ pub(super) struct Truth(Result<Known, &'static str>);
 struct Known {
     /// Young's modulus of the phantom itself, kPa.
     youngs_kpa: f64,
+    /// Thickness, mm, and Young's modulus, kPa, of its layers, the touched one first.
+    layers: Vec<[f64; 2]>,
     inclusions: Vec<Held>,
 }
 
@@ -39,7 +41,10 @@ impl Truth {
         let Some(phantom) = phantom else { return Ok(Self::unknown("the scene has no phantom")) };
         let youngs_kpa = modulus_kpa(&phantom.material)?;
         let inclusions = phantom.inclusion.iter().filter(|_| !without).map(|one| held(one, folder));
-        Ok(Self(Ok(Known { youngs_kpa, inclusions: inclusions.collect::<Result<_, _>>()? })))
+        let inclusions = inclusions.collect::<Result<_, _>>()?;
+        let layers = phantom.layer.iter().map(|layer| Ok([layer.thickness_mm, modulus_kpa(&layer.material)?]));
+        let layers = layers.collect::<Result<_, Failure>>()?;
+        Ok(Self(Ok(Known { youngs_kpa, layers, inclusions })))
     }
 
     /// None, for a reason.
@@ -58,6 +63,7 @@ impl Truth {
                 "youngs_kpa": one.youngs_kpa,
             })
         };
+        let layer = |[thickness, youngs]: &[f64; 2]| json!({"thickness_mm": thickness, "youngs_kpa": youngs});
         json!({
             "size_mm": self.of_one(Held::size_mm),
             "depth_mm": self.of_one(|one| one.depth_mm),
@@ -66,6 +72,7 @@ impl Truth {
                 Ok(known) => json!(known.youngs_kpa),
                 Err(reason) => json!({"undefined": reason}),
             },
+            "phantom_layers": self.layers().iter().map(layer).collect::<Vec<_>>(),
             "inclusions": self.inclusions().iter().map(inclusion).collect::<Vec<_>>(),
         })
     }
@@ -98,15 +105,30 @@ impl Truth {
         self.0.as_ref().map_or(&[], |known| &known.inclusions)
     }
 
+    fn layers(&self) -> &[[f64; 2]] {
+        self.0.as_ref().map_or(&[], |known| &known.layers)
+    }
+
     /// The inclusions as a table of a report, if there are any.
     pub fn table(&self) -> Option<Item> {
         let known = self.0.as_ref().ok().filter(|known| !known.inclusions.is_empty())?;
         let row = |one: &Held| [one.size_mm(), one.depth_mm, one.youngs_kpa].map(figure).to_vec();
         Some(Item::Table(Table {
-            caption: format!("What the phantom holds; itself it has {} kPa", figure(known.youngs_kpa)),
+            caption: format!("What the phantom holds; itself it has {} kPa{}", figure(known.youngs_kpa), known.skin()),
             columns: ["true size (mm)", "depth to its top (mm)", "Young's modulus (kPa)"].map(str::to_owned).to_vec(),
             rows: known.inclusions.iter().map(row).collect(),
         }))
+    }
+}
+
+impl Known {
+    /// The layers in words.
+    fn skin(&self) -> String {
+        let words = |[thickness, youngs]: &[f64; 2]| format!("{} mm of {} kPa", figure(*thickness), figure(*youngs));
+        match self.layers.iter().map(words).collect::<Vec<_>>() {
+            none if none.is_empty() => String::new(),
+            layers => format!(", below {}", layers.join(" over ")),
+        }
     }
 }
 

@@ -125,7 +125,10 @@ pub fn run(setup: &Setup, observe: &mut dyn FnMut(PressStage) -> bool) -> Result
             }
         }
     };
-    let (Load::Depths(asked) | Load::Forces(asked)) = &setup.load;
+    let asked: Vec<f64> = match &setup.load {
+        Load::Depths(asked) | Load::Forces(asked) => asked.clone(),
+        Load::Path(poses) => (1..=poses.len()).map(|number| number as f64).collect(),
+    };
     let reached = asked.iter().zip(&pressed.steps);
     Ok(Found {
         reached: reached

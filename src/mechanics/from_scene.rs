@@ -5,10 +5,10 @@ use super::element::PressureOrder;
 use super::kinematics::Kinematics;
 use super::material::{Law, Material, MaterialError, OgdenTerm, Prony};
 use super::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Resolution, Star};
-use super::press::{Load, PressError, SensorBody, Setup};
+use super::press::{Load, Pose, PressError, SensorBody, Setup};
 use crate::scene::{
-    DataFileError, Dimensions, Elastic, Face, Inclusion, InclusionBody, Interface, LoadedScene, PhantomBody,
-    PressedSensor, Stack, TriangleMesh, read_mesh,
+    DataFileError, Dimensions, Elastic, Face, Inclusion, InclusionBody, Interface, LoadedScene, Phantom, PhantomBody,
+    Press, PressStep, PressedSensor, Stack, TriangleMesh, read_mesh,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -34,6 +34,16 @@ pub fn material(elastic: &Elastic) -> Result<Material, MaterialError> {
     }?;
     let relaxation = elastic.relaxation().iter().map(|term| Prony { share: term.share, time_s: term.time_s });
     material.with_relaxation(relaxation.collect())
+}
+
+/// Materials of a phantom by region: its own, then of each inclusion, then of each layer.
+///
+/// # Errors
+/// As [`material`].
+pub fn materials(phantom: &Phantom) -> Result<Vec<Material>, MaterialError> {
+    let inclusions = phantom.inclusion.iter().map(|one| &one.material);
+    let layers = phantom.layer.iter().map(|layer| &layer.material);
+    std::iter::once(&phantom.material).chain(inclusions).chain(layers).map(material).collect()
 }
 
 /// The outer shape of a phantom.
@@ -92,7 +102,6 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
     for inclusion in &mut inclusions {
         (0..2).for_each(|axis| inclusion.center_mm[axis] += press.offset_mm[axis]);
     }
-    let elastics = std::iter::once(&phantom.material).chain(phantom.inclusion.iter().map(|one| &one.material));
     let base = if flat { Resolution::PLANE } else { Resolution::SOLID };
     let edge_radius_mm = press.edge_radius_mm(&scene.stack);
     Ok(Setup {
@@ -101,15 +110,17 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
         phantom: PhantomMesh {
             shape: phantom_shape(&phantom.shape),
             symmetry: [0, 1].map(|axis| {
-                let straight = press.offset_mm[axis] == 0.0 && press.tilt_deg[1 - axis] == 0.0;
+                let slides = press.slides().any(|slide| slide[axis] != 0.0);
+                let straight = press.offset_mm[axis] == 0.0 && press.tilt_deg[1 - axis] == 0.0 && !slides;
                 flat || straight && inclusions.iter().all(|shape| is_symmetric(shape, axis))
             }),
             inclusions,
             footprint: footprint(&press.face(&scene.stack)),
             resolution: base.finer(press.resolution),
             offset_mm: press.offset_mm,
+            layers_mm: phantom.layer.iter().map(|layer| layer.thickness_mm).collect(),
         },
-        phantom_materials: elastics.map(material).collect::<Result<Vec<_>, _>>()?,
+        phantom_materials: materials(phantom)?,
         sensor: match press.sensor {
             PressedSensor::Rigid => SensorBody::Rigid { edge_radius_mm },
             PressedSensor::Deformable => SensorBody::Layers { layers: soft_layers(&scene.stack)?, edge_radius_mm },
@@ -121,12 +132,26 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
         },
         load: match (&press.depths_mm, &press.forces_n) {
             (Some(depths), _) => Load::Depths(depths.clone()),
-            (None, forces) => Load::Forces(forces.clone().unwrap_or_default()),
+            (None, Some(forces)) => Load::Forces(forces.clone()),
+            (None, None) => Load::Path(poses(press)),
         },
         seconds_per_mm: press.rate_mm_per_s.map(|rate| 1.0 / rate),
         hold_s: press.hold_s,
         tilt_deg: press.tilt_deg,
     })
+}
+
+/// The steps of a press; what one leaves out stays.
+fn poses(press: &Press) -> Vec<Pose> {
+    let next = |pose: &mut Pose, step: &PressStep| {
+        *pose = Pose {
+            depth_mm: step.depth_mm.unwrap_or(pose.depth_mm),
+            slide_mm: step.slide_mm.unwrap_or(pose.slide_mm),
+            hold_s: step.hold_s,
+        };
+        Some(*pose)
+    };
+    press.step.iter().scan(Pose::default(), next).collect()
 }
 
 /// Thickness and material of the sensor's elastic layers, lowest first.
@@ -152,7 +177,7 @@ fn scaled(mut mesh: TriangleMesh, scale: f64) -> TriangleMesh {
 mod tests {
     use super::*;
     use crate::mechanics::mesh::{PhantomMesh, Resolution};
-    use crate::scene::{DepthTo, PRESETS, Phantom, Relaxation, Scene, preset, scan_preset, validate};
+    use crate::scene::{DepthTo, PRESETS, Relaxation, Scene, preset, scan_preset, validate};
     use proptest::prelude::*;
 
     fn linear() -> Elastic {
@@ -255,9 +280,17 @@ mod tests {
         let mesh = |phantom: &Phantom, footprint, symmetry| {
             let inclusions = phantom.inclusion.iter().map(|one| inclusion_shape(one, Path::new("")).unwrap()).collect();
             let shape = phantom_shape(&phantom.shape);
-            PhantomMesh { shape, inclusions, footprint, symmetry, resolution: Resolution::PLANE, offset_mm: [0.0; 2] }
-                .build_2d()
-                .unwrap()
+            PhantomMesh {
+                shape,
+                inclusions,
+                footprint,
+                symmetry,
+                resolution: Resolution::PLANE,
+                offset_mm: [0.0; 2],
+                layers_mm: Vec::new(),
+            }
+            .build_2d()
+            .unwrap()
         };
         let presses = PRESETS.iter().map(|(name, _)| preset(name).unwrap().scene);
         let presses = presses.filter_map(|scene| Some((scene.phantom?, scene.press?, scene.stack)));

@@ -138,6 +138,16 @@ pub fn element_least_jacobian(problem: &Problem, state: &State) -> Vec<f64> {
     (0..problem.mesh.element_count()).map(|e| samples(problem, state, e).map_or(f64::NAN, smallest)).collect()
 }
 
+/// Cauchy stress of each element, kPa: its mean over the undeformed volume; NaN where the element is inside out.
+pub fn element_stress(problem: &Problem, state: &State) -> Vec<Tensor> {
+    let mean = |samples: Vec<Sample>| {
+        let volume: f64 = samples.iter().map(|sample| sample.volume).sum();
+        let of = |i: usize, j: usize| samples.iter().map(|s| s.volume * s.cauchy[i][j]).sum::<f64>() / volume;
+        [0, 1, 2].map(|i| [0, 1, 2].map(|j| of(i, j)))
+    };
+    (0..problem.mesh.element_count()).map(|e| samples(problem, state, e).map_or([[f64::NAN; 3]; 3], mean)).collect()
+}
+
 /// Mean compressive stress at each node of each element, kPa, in the order of the mesh's elements. It may jump between
 /// elements: the pressure is discontinuous.
 pub fn element_pressure(problem: &Problem, state: &State) -> Vec<f64> {

@@ -13,11 +13,24 @@ use std::path::PathBuf;
 pub struct Phantom {
     /// Its outer shape.
     pub shape: PhantomBody,
-    /// What it is made of.
+    /// What it is made of, below its layers.
     pub material: Elastic,
-    /// Bodies inside, none overlapping another. Default: none.
+    /// Bodies inside, none overlapping another, each in one layer. Default: none.
     #[serde(default)]
     pub inclusion: Vec<Inclusion>,
+    /// Layers between the touched face and the body of `material`, the touched one first: skin over fat. Default: none.
+    #[serde(default)]
+    pub layer: Vec<PhantomLayer>,
+}
+
+/// A layer of the phantom, bonded to what lies below it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PhantomLayer {
+    /// Its thickness, mm.
+    pub thickness_mm: f64,
+    /// What it is made of.
+    pub material: Elastic,
 }
 
 /// Outer shape of a phantom. The face away from the sensor is held by a rigid base.

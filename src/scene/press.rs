@@ -8,11 +8,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Press {
-    /// Displacements of the phantom's base towards the sensor from first touch, ascending, mm. Give these or
-    /// `forces_n`.
+    /// Displacements of the phantom's base towards the sensor from first touch, ascending, mm. Give these, `forces_n` or
+    /// steps.
     pub depths_mm: Option<Vec<f64>>,
-    /// Total forces, ascending, N. Give these or `depths_mm`.
+    /// Total forces, ascending, N. Give these, `depths_mm` or steps.
     pub forces_n: Option<Vec<f64>>,
+    /// A motion in steps, one after another: press, hold, slide and lift. Each is read and traced. Give these,
+    /// `depths_mm` or `forces_n`.
+    pub step: Vec<PressStep>,
     /// Whether the sensor gives way. Default: `deformable`.
     pub sensor: PressedSensor,
     /// The face of the sensor that the phantom can touch, centred on the axis. Absent: the stack's footprint.
@@ -53,6 +56,7 @@ impl Default for Press {
         Self {
             depths_mm: None,
             forces_n: None,
+            step: Vec::new(),
             sensor: PressedSensor::default(),
             footprint: None,
             interface: Interface::default(),
@@ -66,6 +70,18 @@ impl Default for Press {
             hold_s: 0.0,
         }
     }
+}
+
+/// One step of a motion: the phantom's base goes straight to a place, and stays there for a time.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PressStep {
+    /// Displacement of the base towards the sensor from first touch, mm. Absent: as before.
+    pub depth_mm: Option<f64>,
+    /// Displacement of the base along x and y, mm. Absent: as before.
+    pub slide_mm: Option<[f64; 2]>,
+    /// Time for which it then stays there, s; matters to materials with relaxation. Default: 0.
+    pub hold_s: f64,
 }
 
 /// Whether the sensor gives way.
@@ -147,6 +163,11 @@ impl Press {
         x.min(y) * LARGEST_EDGE
     }
 
+    /// Where the steps slide the phantom, mm.
+    pub fn slides(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.step.iter().filter_map(|step| step.slide_mm)
+    }
+
     /// Why the press cannot be computed in two dimensions; `None` where phantom, inclusions and touched face are bodies
     /// of revolution about one axis.
     pub fn asymmetry(&self, phantom: &Phantom, stack: &Stack) -> Option<String> {
@@ -162,6 +183,9 @@ impl Press {
         }
         if self.offset_mm != [0.0; 2] {
             return Some("press.offset_mm moves the phantom off the axis".to_owned());
+        }
+        if self.slides().any(|slide| slide != [0.0; 2]) {
+            return Some("press.step slides the phantom off the axis".to_owned());
         }
         if matches!(phantom.shape, PhantomBody::Block { .. }) {
             return Some("the phantom is a block".to_owned());

@@ -99,6 +99,7 @@ pub fn half_height(context: &Context) -> Result<Vec<Row>, StabilityError> {
             symmetry: [true, false],
             resolution: graded(size, size, size, 0.5, 1),
             offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
         }
         .build_2d()?;
         let on_base = |x: [f64; 3]| x[1] >= 20.0 * (1.0 - 1e-12);

@@ -60,6 +60,7 @@ pub fn far_mesh(rung: usize) -> Result<Mesh, MeshError> {
         symmetry: [true, false],
         resolution: graded(5.0, 5.0, 5.0, 0.5, rung),
         offset_mm: [0.0; 2],
+        layers_mm: Vec::new(),
     }
     .build_2d()
 }

@@ -43,6 +43,7 @@ pub fn setup(ball: Option<Ball>, poisson: f64) -> Result<Setup, StabilityError> 
             symmetry: [true, true],
             resolution: Resolution::PLANE.halved(),
             offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
         },
         phantom_materials: moduli.map(material).collect::<Result<_, _>>()?,
         sensor: SensorBody::Layers {

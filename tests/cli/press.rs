@@ -54,6 +54,32 @@ fn a_run_presses_first_and_subtracts_its_baseline() {
 }
 
 #[test]
+fn steps_are_pressed_traced_and_shown_one_after_another() {
+    let place = Place::new();
+    let steps = "[[press.step]]\ndepth_mm = 1.0\n[[press.step]]\nhold_s = 2.0\n[[press.step]]\ndepth_mm = 0.5\n";
+    let text_of = scene("rate_mm_per_s = 1.0\nestimate_error = false").replace("depths_mm = [0.5, 1.0]\n", "");
+    place.write("scene.toml", &(text_of + steps));
+    let work = ["--spp", "16", "--photons", "4096", "--backend", "cpu", "--subtract-baseline", "--json", "--quiet"];
+    let output = tirtouch_in(place.path(), &[&["run", "scene.toml", "-o", "out"][..], &work].concat());
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let said = json(&output);
+    let steps = said["mechanics"]["steps"].as_array().unwrap();
+    let of = |key: &str| steps.iter().map(|step| step[key].as_f64().unwrap()).collect::<Vec<_>>();
+    assert_eq!((of("depth_mm"), of("hold_s")), (vec![1.0, 1.0, 0.5], vec![0.0, 2.0, 0.0]));
+    assert!((of("force_n")[1] / of("force_n")[0] - 1.0).abs() < 1e-6, "nothing relaxes: {steps:?}");
+    assert!(of("force_n")[2] < 0.6 * of("force_n")[0]);
+    let files = names(&place.path().join("out"));
+    for name in ["camera_1.png", "camera_2.png", "camera.png", "deformed_1.vtu", "deformed_2.vtu", "deformed.vtu"] {
+        assert!(files.contains(&name.to_owned()), "{files:?}");
+    }
+    let list = std::fs::read_to_string(place.path().join("out/deformed.pvd")).unwrap();
+    assert_eq!(list.matches("<DataSet").count(), 3, "{list}");
+    let table = std::fs::read_to_string(place.path().join("out/contact.csv")).unwrap();
+    assert!(table.starts_with("step,depth_mm,slide_x_mm,slide_y_mm,r_mm,"));
+    assert!(table.lines().any(|line| line.starts_with("3,0.5,0,0,")));
+}
+
+#[test]
 fn a_press_of_nothing_is_refused() {
     let place = Place::new();
     for flags in [&["press", "preset:press-hertz"][..], &["render", "preset:press-hertz", "--without-inclusions"]] {

@@ -73,6 +73,7 @@ fn a_bonded_block_is_pressed_to_half_its_height() {
             symmetry: [true, false],
             resolution: graded(2.5, 2.5, 2.5, 0.5, 1),
             offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
         }
         .build_2d()
         .unwrap();

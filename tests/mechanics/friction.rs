@@ -82,6 +82,7 @@ fn a_dragged_block_bears_friction_times_its_weight_against_the_motion() {
         symmetry: [false; 2],
         resolution: graded(2.0, 2.0, 2.0, 0.5, 1),
         offset_mm: [0.0; 2],
+        layers_mm: Vec::new(),
     };
     for friction in [0.1, 1.0] {
         let plane = (Kinematics::PlaneStrain, block.build_2d().unwrap(), [4.0, 0.0]);
@@ -120,6 +121,7 @@ fn a_cylinder_pushed_sideways_sticks_in_the_middle_as_cattaneo_and_mindlin_say()
             symmetry: [false; 2],
             resolution: graded(2.0 * size, 2.0 * size, 0.2 * far, 0.5, 2),
             offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
         }
         .build_2d()
         .unwrap();
@@ -181,6 +183,7 @@ fn a_flat_punch_pressed_down_sticks_in_its_middle() {
             symmetry: [true, false],
             resolution: graded(2.0 * size, 2.0 * size, 0.3 * far, 1.0, 2),
             offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
         }
         .build_2d()
         .unwrap();
@@ -222,6 +225,7 @@ fn a_ball_rubs_at_any_friction_and_nowhere_more_than_coulomb_allows() {
             symmetry: [true, false],
             resolution: graded(0.1 * radius, 0.1 * radius, radius, 0.3, 1),
             offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
         }
         .build_2d()
         .unwrap();

@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod answers;
+mod bonded_layers;
 mod estimates;
 mod extreme_presses;
 mod extremes;

@@ -71,6 +71,7 @@ fn a_ball_beside_the_middle_of_a_slab_presses_as_in_the_middle() {
         symmetry: [false; 2],
         resolution: resolution(0.75, 0.75, 4.0),
         offset_mm: [0.0; 2],
+        layers_mm: Vec::new(),
     };
     let block = slab(PhantomShape::Block { size_mm: [18.0; 2], height_mm: 3.0 }).build_3d().unwrap();
     let ball = || Profile::Round { radius_mm: 6.0 };
@@ -130,6 +131,7 @@ fn a_body_on_its_mirror_image_is_a_body_on_a_mirror() {
             symmetry: [true, kinematics == Kinematics::ThreeDimensional],
             resolution: resolution(1.0, 2.0, 3.0),
             offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
         };
         let solid = kinematics == Kinematics::ThreeDimensional;
         let mesh = if solid { phantom.build_3d() } else { phantom.build_2d() }.unwrap();
@@ -155,6 +157,7 @@ fn a_square_sensor_slides_under_a_larger_phantom_like_a_round_one_of_its_area() 
         symmetry,
         resolution,
         offset_mm: [0.0; 2],
+        layers_mm: Vec::new(),
     };
     let half = 6.0;
     let square = phantom(

@@ -87,7 +87,11 @@ impl Climb<'_> {
         }
         rungs.extend(mechanics::rungs(&all));
         let reference = all.iter().find(|(choice, _)| choice.family == mechanics::MESH && choice.is_reference);
-        let unit = if matches!(setup.load, Load::Depths(_)) { "mm" } else { "N" };
+        let unit = match setup.load {
+            Load::Depths(_) => "mm",
+            Load::Forces(_) => "N",
+            Load::Path(_) => "steps",
+        };
         Ok(match (reference, mechanics::common_load(&all, mechanics::MESH)) {
             (Some((choice, found)), Some(load)) => {
                 Ok(format!("{}, {} unknowns, at {} {unit}", choice.setting, found.unknowns, figure(load)))

@@ -21,7 +21,7 @@ pub(super) struct Domain {
     pub faces: [[&'static str; 2]; 3],
     /// Axes whose lower bound is a plane of symmetry.
     pub symmetry: [bool; 3],
-    /// Lines that the boxes should meet rather than pass by, mm.
+    /// Lines that the boxes should meet rather than pass by, mm; along the last axis no inclusion may cross one.
     pub lines: [Vec<f64>; 3],
 }
 
@@ -70,6 +70,18 @@ impl Domain {
         Ok(boxes)
     }
 
+    /// The nearest face below (side 0) or above a place, and its name: of the body or, along the last axis, of a layer.
+    fn bound(&self, axis: usize, side: usize, at: f64) -> (f64, &'static str) {
+        let (end, name) = (self.range[axis][side], self.faces[axis][side]);
+        let interfaces = self.lines[axis].iter().filter(|_| axis + 1 == self.dim);
+        let nearest = if side == 0 {
+            interfaces.copied().filter(|&face| face <= at).fold(end, f64::max)
+        } else {
+            interfaces.copied().filter(|&face| face > at).fold(end, f64::min)
+        };
+        (nearest, if nearest == end { name } else { "interface of two layers" })
+    }
+
     /// The box of inclusion `number`, still without room.
     pub fn free_space(
         &self,
@@ -96,10 +108,10 @@ impl Domain {
                     continue;
                 }
                 let outer = center[axis] + extent[axis][side];
-                let free = [1.0, -1.0][side] * (outer - self.range[axis][side]);
+                let (bound, face) = self.bound(axis, side, center[axis]);
+                let free = [1.0, -1.0][side] * (outer - bound);
                 let least = LEAST_GAP * extent[axis][side].abs();
                 if free < least {
-                    let face = self.faces[axis][side];
                     // Rounded, so that one that just touches is at 0 mm and not at -0 mm.
                     let gap_mm = (free * 1e9).round() / 1e9 + 0.0;
                     return Err(MeshError::SticksOut { inclusion: number, face, gap_mm, least_mm: least });

@@ -42,7 +42,7 @@ pub enum Footprint {
     },
 }
 
-/// A phantom with inclusions, to be meshed. Regions: 0 the phantom, k inclusion k (from 1).
+/// A phantom with inclusions, to be meshed. Regions: 0 the phantom, k inclusion k (from 1), then the layers.
 #[derive(Debug, Clone)]
 pub struct PhantomMesh {
     /// Outer shape.
@@ -57,6 +57,9 @@ pub struct PhantomMesh {
     pub resolution: Resolution,
     /// Place of the outline's centre, in three dimensions, mm. Inclusions' places count from the footprint's axis.
     pub offset_mm: [f64; 2],
+    /// Thickness of the layers between the touched face and the phantom itself, the touched one first, mm. Each
+    /// inclusion lies in one of them or below all.
+    pub layers_mm: Vec<f64>,
 }
 
 /// Grid lines and boxes.
@@ -126,6 +129,37 @@ impl PhantomMesh {
         Self { resolution: self.resolution.halved(), ..self.clone() }
     }
 
+    /// Region of the layer at a depth, or of the phantom itself below all.
+    fn region_at(&self, depth_mm: f64) -> u32 {
+        let above = self.interfaces().partition_point(|&face| face <= depth_mm);
+        if above < self.layers_mm.len() { (self.inclusions.len() + 1 + above) as u32 } else { 0 }
+    }
+
+    /// Depths of the layers' lower faces, mm.
+    pub(super) fn interfaces(&self) -> Vec<f64> {
+        let sum = |depth: &mut f64, thickness: &f64| {
+            *depth += thickness;
+            Some(*depth)
+        };
+        self.layers_mm.iter().scan(0.0, sum).collect()
+    }
+
+    /// Regions between lines across the touched face.
+    pub(super) fn regions(&self, heights: &Lines) -> Vec<u32> {
+        heights.0.windows(2).map(|pair| self.region_at(0.5 * (pair[0] + pair[1]))).collect()
+    }
+
+    /// Values by region, each inclusion's that of what surrounds it.
+    pub fn plain<T: Clone>(&self, of_region: &[T]) -> Vec<T> {
+        let mut plain = of_region.to_vec();
+        for (value, inclusion) in plain.iter_mut().skip(1).zip(&self.inclusions) {
+            if let Some(around) = of_region.get(self.region_at(inclusion.center_mm[2]) as usize) {
+                *value = around.clone();
+            }
+        }
+        plain
+    }
+
     /// Adds grid and inclusions.
     pub(super) fn fill(&self, builder: &mut Builder, layout: &Layout) -> Result<(), MeshError> {
         let dim = layout.axes.len();
@@ -137,7 +171,8 @@ impl PhantomMesh {
                 })
             })
         };
-        builder.add_grid(&layout.axes, |cell| (!inside(cell)).then_some(0))?;
+        let regions = self.regions(&layout.axes[dim - 1]);
+        builder.add_grid(&layout.axes, |cell| (!inside(cell)).then_some(regions[cell[dim - 1]]))?;
         let rings =
             (0.45 * self.resolution.inclusion_divisions).round().max(1.0) as usize * self.resolution.subdivision;
         for (k, (item, shape)) in layout.boxes.iter().zip(&self.inclusions).enumerate() {
@@ -152,7 +187,7 @@ impl PhantomMesh {
                 axes: [axis_nodes(0), axis_nodes(1), axis_nodes(2)],
                 cut: item.cut,
                 rings: [rings; 2],
-                regions: [k as u32 + 1, 0],
+                regions: [k as u32 + 1, self.region_at(shape.center_mm[2])],
                 radius: &radius,
             };
             ogrid.fill(builder)?;
@@ -166,7 +201,11 @@ impl PhantomMesh {
         for width in self.shape.half_widths().into_iter().chain(half) {
             positive("the phantom's width", width)?;
         }
-        positive("the phantom's height", self.shape.height_mm())?;
+        let mut below = positive("the phantom's height", self.shape.height_mm())?;
+        for &thickness in &self.layers_mm {
+            below -= positive("the thickness of a phantom's layer", thickness)?;
+            positive("what is left of the phantom's height below its layers", below)?;
+        }
         for width in self.footprint.half_widths() {
             positive("the contact's width", width)?;
         }
@@ -206,11 +245,11 @@ impl PhantomMesh {
             ([low, width], inner.collect::<Vec<f64>>())
         };
         let height = [0.0, self.shape.height_mm()];
-        let (x, y) = (plane(0), plane(1));
+        let (x, y, interfaces) = (plane(0), plane(1), self.interfaces());
         let (range, lines) = if dim == 2 {
-            ([x.0, height, [0.0; 2]], [x.1, Vec::new(), Vec::new()])
+            ([x.0, height, [0.0; 2]], [x.1, interfaces, Vec::new()])
         } else {
-            ([x.0, y.0, height], [x.1, y.1, Vec::new()])
+            ([x.0, y.0, height], [x.1, y.1, interfaces])
         };
         let side = |symmetric: bool| if symmetric { ["plane of symmetry", "side"] } else { ["side"; 2] };
         let mut faces = [side(self.symmetry[0]), side(self.symmetry[1]), [""; 2]];

@@ -100,12 +100,13 @@ impl PhantomMesh {
         positive("the way from the axis to the phantom's side", self.least_reach())?;
         let (layout, plan, boxed) = self.scheme()?;
         let mut builder = Builder::new(3);
+        let regions = self.regions(&layout.axes[2]);
         if boxed {
             self.fill(&mut builder, &layout)?;
         } else {
-            builder.add_grid(&layout.axes, |_| Some(0))?;
+            builder.add_grid(&layout.axes, |cell| regions.get(cell[2]).copied())?;
         }
-        plan.add_sectors(&mut builder, &layout.axes[2], &[])?;
+        plan.add_sectors(&mut builder, &layout.axes[2], &regions)?;
         let finish = |builder: Builder| builder.finish(between_planes(3, 0.0, self.shape.height_mm(), self.symmetry));
         if boxed {
             return finish(builder);

@@ -85,7 +85,15 @@ impl SensorMesh {
         };
         let (footprint, symmetry) = (self.footprint, self.symmetry);
         let resolution = self.resolution.with_rim(self.edge_radius_mm);
-        PhantomMesh { shape, inclusions: Vec::new(), footprint, symmetry, resolution, offset_mm: [0.0; 2] }
+        PhantomMesh {
+            shape,
+            inclusions: Vec::new(),
+            footprint,
+            symmetry,
+            resolution,
+            offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
+        }
     }
 
     /// Lines across the layers and the layer of each cell.

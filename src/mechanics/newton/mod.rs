@@ -8,7 +8,7 @@ mod touch;
 
 use super::contact::{Positions, SPRING};
 use super::material::History;
-use super::problem::{Problem, State, Traction};
+use super::problem::{Problem, State, Support, Traction};
 use super::solid::{ElementSystem, advance_history, element_system, tangent_bulk_kpa};
 use super::sparse::SparseError;
 use damping::Damping;
@@ -22,8 +22,10 @@ pub struct Solver<'a> {
     problem: &'a Problem,
     /// Equation of each displacement component; `HELD` where it is prescribed.
     equation: Vec<u32>,
-    /// Prescribed displacement of each component at load factor 1.
+    /// Prescribed displacement of each component for one load factor, from where the motion last turned.
     prescribed: Vec<f64>,
+    /// Displacement and load factor there; none at rest.
+    turned: Option<(Vec<[f64; 3]>, f64)>,
     method: Method,
     tangent: Option<Tangent>,
     tangent_bulk_kpa: f64,
@@ -159,6 +161,7 @@ impl<'a> Solver<'a> {
             problem,
             equation,
             prescribed,
+            turned: None,
             method: if dim == 3 { method } else { Method::Direct },
             tangent: None,
             tangent_bulk_kpa: tangent_bulk_kpa(&problem.materials),
@@ -182,6 +185,27 @@ impl<'a> Solver<'a> {
     pub fn step(&mut self, from: &State, guess: &State, load: f64, damped: bool) -> Result<State, StepError> {
         let seconds = self.problem.seconds_per_load.map_or(f64::INFINITY, |s| s * (load - from.load).abs());
         self.over(from, guess, load, seconds, damped)
+    }
+
+    /// Lets held components move otherwise from a state on: `motion` is what they move by for one load factor.
+    pub fn turn(&mut self, at: &State, motion: &[Support]) {
+        let dim = self.problem.kinematics.dim();
+        self.prescribed.fill(0.0);
+        for support in motion {
+            self.prescribed[support.node as usize * dim + support.axis] = support.displacement_mm;
+        }
+        self.turned = Some((at.displacement.clone(), at.load));
+    }
+
+    /// Prescribed displacement of a component at a load factor, mm.
+    fn target(&self, component: usize, load: f64) -> f64 {
+        let dim = self.problem.kinematics.dim();
+        match &self.turned {
+            None => load * self.prescribed[component],
+            Some((displacement, from)) => {
+                displacement[component / dim][component % dim] + (load - from) * self.prescribed[component]
+            }
+        }
     }
 
     /// The states' line, continued to a load; `None` where it turns an element inside out.

@@ -103,7 +103,7 @@ impl Solver<'_> {
         for k in 0..residual.len() {
             squares[1] += size[k] * size[k];
             if self.equation[k] == HELD {
-                let target = state.load * self.prescribed[k];
+                let target = self.target(k, state.load);
                 settled &= (state.displacement[k / dim][k % dim] - target).abs() <= 1e-12 * (1.0 + target.abs());
             } else {
                 squares[0] += residual[k] * residual[k];
@@ -270,7 +270,7 @@ impl Solver<'_> {
         let mut change = vec![0.0; self.prescribed.len()];
         for k in 0..change.len() {
             if self.equation[k] == HELD {
-                change[k] = state.load * self.prescribed[k] - state.displacement[k / dim][k % dim];
+                change[k] = self.target(k, state.load) - state.displacement[k / dim][k % dim];
             }
         }
         for (e, system) in systems.iter().enumerate() {

@@ -30,10 +30,12 @@ impl Assembly {
     /// # Errors
     /// Geometry that cannot be meshed, a setting that is not supported.
     pub fn new(setup: &Setup) -> Result<Self, PressError> {
-        let (inclusions, given) = (setup.phantom.inclusions.len(), setup.phantom_materials.len());
-        if given != inclusions + 1 {
-            let message =
-                format!("the phantom and its {inclusions} inclusions need {} materials, {given} given", inclusions + 1);
+        let (inclusions, layers) = (setup.phantom.inclusions.len(), setup.phantom.layers_mm.len());
+        let (needed, given) = (1 + inclusions + layers, setup.phantom_materials.len());
+        if given != needed {
+            let message = format!(
+                "the phantom, its {inclusions} inclusions and {layers} layers need {needed} materials, {given} given"
+            );
             return Err(PressError::Unsupported(message));
         }
         let flat = setup.kinematics != Kinematics::ThreeDimensional;
@@ -66,7 +68,8 @@ impl Assembly {
                     0.0,
                 ));
                 let face = mesh.boundary_facets(Boundary::Touched).into_iter();
-                let face: Vec<Facet> = face.filter(|&facet| within(&mesh, facet, MARGIN * reach(setup))).collect();
+                let face: Vec<Facet> =
+                    face.filter(|&facet| within(&mesh, facet, MARGIN * reach(setup) + setup.slide_mm())).collect();
                 let first = append(&mut mesh, &sensor, materials.len() as u32);
                 materials.extend(layers.iter().map(|(_, material)| material.clone()));
                 let of_sensor = |boundary| {
@@ -123,7 +126,7 @@ fn rigid(setup: &Setup, mesh: &Mesh, edge_radius_mm: f64) -> Result<(Vec<Facet>,
         return Err(PressError::Unsupported(message.into()));
     };
     let profile = Profile::RoundedFlat { flat_mm: radius_mm - edge_radius_mm, edge_radius_mm };
-    let facets = touched.filter(|&facet| within(mesh, facet, MARGIN * radius_mm)).collect();
+    let facets = touched.filter(|&facet| within(mesh, facet, MARGIN * radius_mm + setup.slide_mm())).collect();
     Ok((facets, Counterpart::Rigid { profile, center }, 1.0))
 }
 
@@ -134,7 +137,7 @@ fn face_shear_kpa(setup: &Setup) -> f64 {
         SensorBody::Rigid { .. } => None,
         SensorBody::Layers { layers, .. } => layers.last().map(|(_, material)| material),
     };
-    let faces = setup.phantom_materials.first().into_iter().chain(top);
+    let faces = setup.touched_material().into_iter().chain(top);
     faces.map(|material| material.law.shear_kpa()).fold(f64::INFINITY, f64::min)
 }
 

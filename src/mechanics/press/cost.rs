@@ -65,6 +65,7 @@ impl Cost {
         let presses = match &setup.load {
             Load::Depths(depths) => depths.len() as f64,
             Load::Forces(forces) => FORCE_PRESSES * forces.len() as f64,
+            Load::Path(poses) => poses.len() as f64,
         };
         Self {
             elements: problem.mesh.element_count(),

@@ -1,6 +1,6 @@
 //! Why a press did not come to its end, and what may help.
 
-use super::{Pressed, SensorBody, Setup};
+use super::{Load, Pressed, SensorBody, Setup};
 use crate::mechanics::material::MaterialError;
 use crate::mechanics::memory;
 use crate::mechanics::mesh::MeshError;
@@ -62,10 +62,12 @@ fn stopped(cause: &PathError, reached: &Pressed) -> String {
     match cause {
         PathError::Stuck { reached, target, cause } => {
             let help = if cause.is_too_large() { "a smaller press.resolution" } else { help(setup) };
-            format!("the press of {which} stops at {reached:.3} of {target} mm: {cause}; {help} may help")
+            let way = if matches!(setup.load, Load::Path(_)) { " of its way" } else { "" };
+            format!("the press of {which} stops at {reached:.3} of {target} mm{way}: {cause}; {help} may help")
         }
         PathError::Hold { load, cause } => {
-            format!("the press of {which}, held at {load:.3} mm, does not settle: {cause}")
+            let way = if matches!(setup.load, Load::Path(_)) { " of its way" } else { "" };
+            format!("the press of {which}, held at {load:.3} mm{way}, does not settle: {cause}")
         }
         PathError::NoForce { .. } | PathError::Stopped => format!("the press of {which}: {cause}"),
     }

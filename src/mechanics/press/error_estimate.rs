@@ -27,7 +27,9 @@ pub(super) fn estimate(
     observe: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), PressError> {
     let mut coarse = pressed.setup.halved();
-    coarse.load = Load::Depths(pressed.steps.iter().map(|step| step.depth_mm).collect());
+    if !matches!(coarse.load, Load::Path(_)) {
+        coarse.load = Load::Depths(pressed.steps.iter().map(|step| step.depth_mm).collect());
+    }
     let coarse = match press_once(&coarse, method, observe) {
         Ok(coarse) => coarse,
         // Without the coarser press there is no estimate, but the press stands.

@@ -1,13 +1,15 @@
 //! Brings a press to the asked depths or forces.
 
-use super::{Load, Setup, contact_points};
+use super::setup::length_mm;
+use super::{Load, Pose, Setup, contact_points};
 use crate::mechanics::newton::Solver;
 use crate::mechanics::path::{PathError, follow};
-use crate::mechanics::problem::{Problem, State};
+use crate::mechanics::problem::{Problem, State, Support};
 
 /// A load that was reached.
 pub(super) struct Reached {
     pub state: State,
+    pub pose: Pose,
     pub force_n: f64,
 }
 
@@ -23,31 +25,57 @@ pub(super) fn march(
     observe: &mut dyn FnMut(f64) -> bool,
     reached: &mut dyn FnMut(Reached),
 ) -> Result<(), PathError> {
-    let problem = solver.problem();
-    let mut state = problem.start();
-    let (count, height) = match &setup.load {
-        Load::Depths(depths) => (depths.len(), depths.last().copied().unwrap_or(1.0)),
-        Load::Forces(forces) => (forces.len(), 1.0),
+    let mut state = solver.problem().start();
+    let mut hand_over = |solver: &mut Solver, state: State, pose: Pose| {
+        let held = if pose.hold_s > 0.0 { hold(solver, &state, pose.hold_s)? } else { state };
+        let force_n = force_n(solver.problem(), &held, setup.copies());
+        reached(Reached { state: held.clone(), pose, force_n });
+        Ok::<_, PathError>(held)
     };
-    for k in 0..count {
-        let (state_here, force_n) = match &setup.load {
-            Load::Depths(depths) => {
-                let mut watch = |load: f64| observe(load / height);
-                let next = follow(solver, state, &[depths[k]], &mut watch)?;
-                let force = force_n(problem, &next, setup.copies());
-                (next, force)
-            }
-            Load::Forces(forces) => {
-                let mut watch = |_: f64| observe(k as f64 / count as f64);
-                to_force(solver, state, forces[k], setup, &mut watch)?
-            }
-        };
-        let held = if setup.hold_s > 0.0 { hold(solver, &state_here, setup.hold_s)? } else { state_here };
-        let force_n = if setup.hold_s > 0.0 { self::force_n(problem, &held, setup.copies()) } else { force_n };
-        reached(Reached { state: held.clone(), force_n });
-        state = held;
+    if let Load::Forces(forces) = &setup.load {
+        for (k, &force_n) in forces.iter().enumerate() {
+            let mut watch = |_: f64| observe(k as f64 / forces.len() as f64);
+            let found = to_force(solver, state, force_n, setup, &mut watch)?.0;
+            let pose = Pose { depth_mm: found.load, hold_s: setup.hold_s, ..Pose::default() };
+            state = hand_over(solver, found, pose)?;
+        }
+        return Ok(());
+    }
+    let poses = setup.poses();
+    let starts = || std::iter::once(Pose::default()).chain(poses.iter().copied());
+    let ways: Vec<[f64; 3]> = poses.iter().zip(starts()).map(|(pose, start)| pose.way_from(&start)).collect();
+    let whole: f64 = ways.iter().map(|&way| length_mm(way)).sum();
+    let base = moved_base(solver.problem());
+    for (pose, way) in poses.into_iter().zip(ways) {
+        let length = length_mm(way);
+        if length > 0.0 {
+            // The load factor is the depth, or the length of the path.
+            let target = match setup.load {
+                Load::Path(_) => {
+                    solver.turn(&state, &motion(&base, way.map(|x| x / length), setup.kinematics.dim()));
+                    state.load + length
+                }
+                _ => pose.depth_mm,
+            };
+            state = follow(solver, state, &[target], &mut |load| observe(load / whole))?;
+        }
+        state = hand_over(solver, state, pose)?;
     }
     Ok(())
+}
+
+/// Nodes of the base that moves.
+fn moved_base(problem: &Problem) -> Vec<u32> {
+    let up = problem.kinematics.dim() - 1;
+    let moved = problem.supports.iter().filter(|support| support.axis == up && support.displacement_mm != 0.0);
+    moved.map(|support| support.node).collect()
+}
+
+/// The base's motion for one mm of a way along x and y and towards the sensor.
+fn motion(base: &[u32], [x, y, depth]: [f64; 3], dim: usize) -> Vec<Support> {
+    let along = if dim == 3 { [x, y, -depth] } else { [x, -depth, 0.0] };
+    let of = |&node: &u32| (0..dim).map(move |axis| Support { node, axis, displacement_mm: along[axis] });
+    base.iter().flat_map(of).collect()
 }
 
 fn hold(solver: &mut Solver, state: &State, seconds: f64) -> Result<State, PathError> {

@@ -12,15 +12,18 @@ mod run;
 mod setup;
 mod tilt;
 
-pub use super::read_out::{element_least_jacobian, element_pressure};
+pub use super::read_out::{element_least_jacobian, element_pressure, element_stress};
 pub use assembly::Assembly;
 pub use contact_curve::{ContactPoint, contact_points};
 pub use cost::Cost;
 pub use error::PressError;
 pub use error_estimate::PressureError;
 pub use run::{PressSettings, PressStage, PressStep, Pressed, press};
-pub use setup::{Load, SensorBody, Setup};
+pub use setup::{Load, Pose, SensorBody, Setup};
 
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod path_tests;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod placed_tests;

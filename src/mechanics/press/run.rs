@@ -1,7 +1,7 @@
 //! Runs a press through its loads.
 
 use super::load::{Reached, march};
-use super::{Assembly, ContactPoint, Cost, PressError, PressureError, Setup, contact_points, error_estimate};
+use super::{Assembly, ContactPoint, Cost, Pose, PressError, PressureError, Setup, contact_points, error_estimate};
 use crate::mechanics::newton::{Method, Solver};
 use crate::mechanics::problem::State;
 use std::time::Instant;
@@ -29,6 +29,10 @@ pub struct PressStage {
 pub struct PressStep {
     /// Motion of the phantom's base, mm.
     pub depth_mm: f64,
+    /// Its motion along x and y, mm.
+    pub slide_mm: [f64; 2],
+    /// Time for which it was held before it was read, s.
+    pub hold_s: f64,
     /// Total force along z, N.
     pub force_n: f64,
     /// Largest pressure over 0.8 of the footprint's radius, kPa: the edge of a tied contact is singular.
@@ -128,11 +132,12 @@ pub(super) fn press_once(
     }
 }
 
-fn step(setup: &Setup, assembly: &Assembly, Reached { state, force_n }: Reached) -> PressStep {
+fn step(setup: &Setup, assembly: &Assembly, Reached { state, pose, force_n }: Reached) -> PressStep {
     let points = contact_points(&assembly.problem, 0, &state);
     let judged = points.iter().filter(|point| is_judged(setup, point));
     let peak_pressure_kpa = judged.map(|point| point.pressure_kpa).fold(0.0, f64::max);
-    PressStep { depth_mm: state.load, force_n, peak_pressure_kpa, points, state, error: None }
+    let Pose { depth_mm, slide_mm, hold_s } = pose;
+    PressStep { depth_mm, slide_mm, hold_s, force_n, peak_pressure_kpa, points, state, error: None }
 }
 
 /// Whether a point lies within the part of the footprint over which pressures are judged.

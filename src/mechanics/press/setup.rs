@@ -15,7 +15,7 @@ pub struct Setup {
     pub pressure: PressureOrder,
     /// The phantom, its inclusions and its mesh; the footprint is the sensor's face.
     pub phantom: PhantomMesh,
-    /// Material of the phantom, then of each inclusion.
+    /// Material of the phantom, then of each inclusion, then of each layer.
     pub phantom_materials: Vec<Material>,
     /// The sensor.
     pub sensor: SensorBody,
@@ -55,6 +55,32 @@ pub enum Load {
     Depths(Vec<f64>),
     /// Forces, N, ascending.
     Forces(Vec<f64>),
+    /// A motion: press, hold, slide and lift, one after another.
+    Path(Vec<Pose>),
+}
+
+/// Where the phantom's base is brought along a straight line, and how long it stays there.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Pose {
+    /// Motion towards the sensor from first touch, mm.
+    pub depth_mm: f64,
+    /// Motion along x and y, mm; three dimensions only.
+    pub slide_mm: [f64; 2],
+    /// Time for which it is held there before it is read, s.
+    pub hold_s: f64,
+}
+
+impl Pose {
+    /// Way from another pose along x and y and towards the sensor, mm.
+    pub(super) fn way_from(&self, other: &Self) -> [f64; 3] {
+        let slide = |axis: usize| self.slide_mm[axis] - other.slide_mm[axis];
+        [slide(0), slide(1), self.depth_mm - other.depth_mm]
+    }
+}
+
+/// Length of a way, mm.
+pub(super) fn length_mm(way: [f64; 3]) -> f64 {
+    way.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 impl Setup {
@@ -63,19 +89,20 @@ impl Setup {
         Self { phantom: self.phantom.halved(), ..self.clone() }
     }
 
-    /// The same phantom without its inclusions, on the same mesh.
+    /// The same phantom without its inclusions, on the same mesh: each is of the material around it.
     pub fn without_inclusions(&self) -> Self {
-        let mut setup = self.clone();
-        if let Some(body) = self.phantom_materials.first() {
-            setup.phantom_materials.iter_mut().for_each(|material| *material = body.clone());
-        }
-        setup
+        Self { phantom_materials: self.phantom.plain(&self.phantom_materials), ..self.clone() }
     }
 
     /// Whether it is a press [without inclusions](Self::without_inclusions) of a phantom that has some.
     pub fn is_baseline(&self) -> bool {
-        let inclusions = self.phantom_materials.iter().skip(1);
-        inclusions.len() > 0 && inclusions.into_iter().all(|material| Some(material) == self.phantom_materials.first())
+        !self.phantom.inclusions.is_empty() && self.phantom.plain(&self.phantom_materials) == self.phantom_materials
+    }
+
+    /// The material of the phantom's touched face.
+    pub fn touched_material(&self) -> Option<&Material> {
+        let layer = self.phantom.layers_mm.first().and(Some(self.phantom.inclusions.len() + 1));
+        self.phantom_materials.get(layer.unwrap_or(0))
     }
 
     /// The phantom, with elements at the contact's edge that resolve the rim.
@@ -89,6 +116,23 @@ impl Setup {
             SensorBody::Rigid { .. } if self.grip == Grip::Bonded => 0.0,
             SensorBody::Rigid { edge_radius_mm } | SensorBody::Layers { edge_radius_mm, .. } => edge_radius_mm,
         }
+    }
+
+    /// Poses of the asked loads, as far as they are known beforehand.
+    pub(super) fn poses(&self) -> Vec<Pose> {
+        match &self.load {
+            Load::Depths(depths) => {
+                let pose = |&depth_mm: &f64| Pose { depth_mm, hold_s: self.hold_s, ..Pose::default() };
+                depths.iter().map(pose).collect()
+            }
+            Load::Forces(_) => Vec::new(),
+            Load::Path(poses) => poses.clone(),
+        }
+    }
+
+    /// Longest way that the phantom slides, mm.
+    pub(super) fn slide_mm(&self) -> f64 {
+        self.poses().iter().map(|pose| pose.slide_mm[0].hypot(pose.slide_mm[1])).fold(0.0, f64::max)
     }
 
     /// Largest distance of the touched face's outline from the axis, mm; the half width along x of a rectangle.

@@ -49,6 +49,7 @@ pub(super) fn soft_press(material: fn(f64) -> Material, inclusions: Vec<Inclusio
             symmetry,
             resolution: COARSE,
             offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
         },
         sensor: SensorBody::Layers {
             layers: layers.map(|(thickness, youngs)| (thickness, material(youngs))).to_vec(),
@@ -196,6 +197,20 @@ fn a_rectangular_footprint_presses() {
         let mirror = points.iter().find(near).unwrap();
         assert!((p.pressure_kpa - mirror.pressure_kpa).abs() < 1e-5, "{p:?} {mirror:?}");
     }
+}
+
+#[test]
+fn layers_of_a_column_are_springs_in_series() {
+    let mut setup = soft_press(linear, Vec::new(), [true; 2]);
+    setup.phantom.shape = PhantomShape::Block { size_mm: [20.0, 16.0], height_mm: 12.0 };
+    setup.phantom.footprint = Footprint::Rectangle { half_widths_mm: [10.0, 8.0] };
+    setup.phantom.layers_mm = vec![2.0, 3.5];
+    setup.phantom_materials = [5.0, 40.0, 2.0].map(|youngs| Material::linear(youngs, 0.0).unwrap()).to_vec();
+    setup.sensor = SensorBody::Rigid { edge_radius_mm: 0.0 };
+    // Nothing moves sideways where Poisson's ratio is 0.
+    let force = 1e-3 * 20.0 * 16.0 * 1.0 / (6.5 / 5.0 + 2.0 / 40.0 + 3.5 / 2.0);
+    let found = run(&setup).steps[0].force_n;
+    assert!((found / force - 1.0).abs() < 1e-6, "{found}, expected {force}");
 }
 
 /// A ball of about 3 mm with bumps, in triangles, no plane of symmetry.

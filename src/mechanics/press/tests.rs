@@ -25,6 +25,7 @@ fn phantom(inclusion: Option<[f64; 3]>, soft: bool, linear: bool, depths: &[f64]
             symmetry: [true, true],
             resolution: Resolution::PLANE,
             offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
         },
         phantom_materials: std::iter::once(material(5.0)).chain(inclusion.map(|[_, _, e]| material(e))).collect(),
         sensor: match soft {

@@ -93,7 +93,9 @@ pub(super) fn turn_base(setup: &Setup, phantom: &Mesh, supports: &mut [Support])
         return Ok(());
     }
     let Load::Depths(depths) = &setup.load else {
-        return Err(PressError::Unsupported("a tied press that tilts is one to depths, not to forces".into()));
+        return Err(PressError::Unsupported(
+            "a tied press that tilts is one to depths, not to forces or in steps".into(),
+        ));
     };
     let last = depths.last().copied().unwrap_or(1.0);
     let rotation = Rotation::new(setup.tilt_deg);

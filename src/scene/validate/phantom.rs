@@ -1,4 +1,4 @@
-//! Rules of the phantom: its inclusions lie inside it and apart.
+//! Rules of the phantom: its layers fit into it, its inclusions lie inside it and apart, each in one layer.
 
 use super::bounds::{ANY, NOT_NEGATIVE, POSITIVE, above, number};
 use super::elastic;
@@ -9,6 +9,8 @@ use crate::scene::{DepthTo, Inclusion, InclusionBody, Phantom, PhantomBody};
 
 /// Inclusions of a phantom; each asks for a mesh of its own.
 const MAX_INCLUSIONS: usize = 32;
+/// Layers of a phantom.
+const MAX_LAYERS: usize = 16;
 /// Room for rounding where an inclusion touches a face or another inclusion, mm.
 const TOUCHING_MM: f64 = 1e-9;
 /// Directions in which an ellipse's distance from the axis is looked at; it is then known to 1e-5 of its size.
@@ -26,9 +28,50 @@ pub(super) fn check(phantom: &Phantom) -> Result<(), Invalid> {
     };
     let body = all([sides, size("height_mm", phantom.shape.height_mm(), 25.0)]);
     let material = elastic::check("phantom.material", &phantom.material);
+    let layers = layers(phantom);
     // Where the body is wrong, no place in it is right.
-    let inside = if body.is_ok() { inclusions(phantom) } else { Ok(()) };
-    all([body, material, inside])
+    let inside = if body.is_ok() && layers.is_ok() { inclusions(phantom) } else { Ok(()) };
+    all([body, material, layers, inside])
+}
+
+fn layers(phantom: &Phantom) -> Result<(), Invalid> {
+    if phantom.layer.len() > MAX_LAYERS {
+        let message = format!("must have at most {MAX_LAYERS} layers, has {}", phantom.layer.len());
+        return Err(Invalid::new("phantom.layer", message));
+    }
+    let height = phantom.shape.height_mm();
+    let mut depth = 0.0;
+    all(phantom.layer.iter().enumerate().map(|(index, layer)| {
+        let key = format!("phantom.layer[{index}]");
+        let thickness = number(&format!("{key}.thickness_mm"), layer.thickness_mm, above(0.0, height, false), 2.0);
+        depth += layer.thickness_mm;
+        let room = if thickness.is_ok() && depth >= height {
+            let message = format!(
+                "reaches {depth} mm deep, and the phantom of {height} mm has no room for its own material below; make \
+                 the layers thinner, or give the lowest as phantom.material"
+            );
+            Err(Invalid::new(format!("{key}.thickness_mm"), message))
+        } else {
+            thickness
+        };
+        all([room, elastic::check(&format!("{key}.material"), &layer.material)])
+    }))
+}
+
+/// Whether an inclusion from one depth to another, mm, lies in one layer.
+fn within_layer(key: &str, phantom: &Phantom, [top, bottom]: [f64; 2]) -> Result<(), Invalid> {
+    let mut face = 0.0;
+    for (index, layer) in phantom.layer.iter().enumerate() {
+        face += layer.thickness_mm;
+        if top < face - TOUCHING_MM && face + TOUCHING_MM < bottom {
+            let message = format!(
+                "the inclusion reaches from {top} to {bottom} mm deep and crosses the lower face of \
+                 phantom.layer[{index}] at {face} mm; an inclusion lies in one layer"
+            );
+            return Err(Invalid::new(format!("{key}.depth_mm"), message));
+        }
+    }
+    Ok(())
 }
 
 fn inclusions(phantom: &Phantom) -> Result<(), Invalid> {
@@ -39,7 +82,7 @@ fn inclusions(phantom: &Phantom) -> Result<(), Invalid> {
     }
     let one = |(index, one): (usize, &Inclusion)| {
         let key = format!("phantom.inclusion[{index}]");
-        inclusion(&key, one, &phantom.shape)?;
+        inclusion(&key, one, phantom)?;
         for (other_index, other) in inclusions.iter().enumerate().take(index) {
             if overlap(one, other) {
                 let message = format!("overlaps phantom.inclusion[{other_index}]; move them apart");
@@ -51,7 +94,7 @@ fn inclusions(phantom: &Phantom) -> Result<(), Invalid> {
     all(inclusions.iter().enumerate().map(one))
 }
 
-fn inclusion(key: &str, one: &Inclusion, body: &PhantomBody) -> Result<(), Invalid> {
+fn inclusion(key: &str, one: &Inclusion, phantom: &Phantom) -> Result<(), Invalid> {
     let size = match &one.shape {
         InclusionBody::Sphere { diameter_mm } => {
             number(&format!("{key}.shape.diameter_mm"), *diameter_mm, above(0.0, MAX_EXTENT_MM, true), 8.0)
@@ -68,16 +111,21 @@ fn inclusion(key: &str, one: &Inclusion, body: &PhantomBody) -> Result<(), Inval
     let center = |axis: usize| number(&format!("{key}.center_mm[{axis}]"), one.center_mm[axis], ANY, 0.0);
     let depth = number(&format!("{key}.depth_mm"), one.depth_mm, NOT_NEGATIVE, 5.0);
     let place = all([size, depth, center(0), center(1)]);
-    let inside = if place.is_ok() { within(key, one, body) } else { Ok(()) };
+    let inside = if place.is_ok() { within(key, one, phantom) } else { Ok(()) };
     all([place, inside, elastic::check(&format!("{key}.material"), &one.material)])
 }
 
-fn within(key: &str, one: &Inclusion, body: &PhantomBody) -> Result<(), Invalid> {
+fn within(key: &str, one: &Inclusion, phantom: &Phantom) -> Result<(), Invalid> {
     // A mesh is not read yet; the finite-element mesh refuses one that sticks out.
     let Some(semi) = one.shape.semi_axes_mm() else {
         return Ok(());
     };
-    all([within_height(key, one, semi[2], body.height_mm()), within_sides(key, one, semi, body)])
+    let center = one.center_depth_mm(semi[2]);
+    all([
+        within_height(key, one, semi[2], phantom.shape.height_mm()),
+        within_layer(key, phantom, [center - semi[2], center + semi[2]]),
+        within_sides(key, one, semi, &phantom.shape),
+    ])
 }
 
 fn within_height(key: &str, one: &Inclusion, half_height: f64, phantom_height: f64) -> Result<(), Invalid> {

@@ -3,8 +3,10 @@
 use super::bounds::{ANY, NOT_NEGATIVE, POSITIVE, above, number};
 use super::{Invalid, all, phantom};
 use crate::scene::{
-    Dimensions, Face, Inner, Interface, Phantom, PhantomBody, Press, PressedSensor, Pressure, Scene, Shape, Stack,
+    Dimensions, Face, Inner, Interface, Phantom, PhantomBody, Press, PressStep, PressedSensor, Pressure, Scene, Shape,
+    Stack,
 };
+use std::ops::Bound;
 
 /// Depths or forces of a press; each is at least one solve.
 const MAX_LEVELS: usize = 100;
@@ -81,10 +83,10 @@ fn load(press: &Press, phantom_height_mm: f64) -> Result<(), Invalid> {
     all([amount(press, phantom_height_mm), number("press.hold_s", press.hold_s, NOT_NEGATIVE, 10.0), speed(press)])
 }
 
-/// Depths or forces, ascending.
+/// Depths or forces, ascending, or steps.
 fn amount(press: &Press, phantom_height_mm: f64) -> Result<(), Invalid> {
-    match (&press.depths_mm, &press.forces_n) {
-        (Some(depths), None) => {
+    match (&press.depths_mm, &press.forces_n, press.step.as_slice()) {
+        (Some(depths), None, []) => {
             ascending("press.depths_mm", depths, 1.0)?;
             if let Some(deepest) = depths.last().filter(|deepest| **deepest >= phantom_height_mm) {
                 let message = format!("must be below the phantom's height of {phantom_height_mm}, reach {deepest}");
@@ -92,16 +94,52 @@ fn amount(press: &Press, phantom_height_mm: f64) -> Result<(), Invalid> {
             }
             Ok(())
         }
-        (None, Some(forces)) => ascending("press.forces_n", forces, 0.5),
-        (Some(_), Some(_)) => {
+        (None, Some(forces), []) => ascending("press.forces_n", forces, 0.5),
+        (None, None, []) => {
+            let message = "give depths_mm, forces_n or [[press.step]]; for example depths_mm = [1.0, 2.0, 4.0]";
+            Err(Invalid::new("press.depths_mm", message))
+        }
+        (None, None, steps) => self::steps(press, steps, phantom_height_mm),
+        (Some(_), Some(_), _) => {
             let message = "give depths_mm or forces_n, not both; for example depths_mm = [1.0, 2.0, 4.0]";
             Err(Invalid::new("press.forces_n", message))
         }
-        (None, None) => {
-            let message = "give depths_mm or forces_n; for example depths_mm = [1.0, 2.0, 4.0]";
-            Err(Invalid::new("press.depths_mm", message))
+        _ => Err(Invalid::new("press.step", "give steps, depths_mm or forces_n, one of them")),
+    }
+}
+
+/// Steps that go somewhere or stay for a while, above the base.
+fn steps(press: &Press, steps: &[PressStep], phantom_height_mm: f64) -> Result<(), Invalid> {
+    if steps.len() > MAX_LEVELS {
+        return Err(Invalid::new("press.step", format!("must have at most {MAX_LEVELS} steps, has {}", steps.len())));
+    }
+    if press.hold_s != 0.0 {
+        return Err(Invalid::new("press.hold_s", "goes with depths_mm or forces_n; give hold_s of each step"));
+    }
+    for (index, step) in steps.iter().enumerate() {
+        let key = |name: &str| format!("press.step[{index}].{name}");
+        if let Some(depth) = step.depth_mm {
+            let below = (Bound::Included(0.0), Bound::Excluded(phantom_height_mm));
+            number(&key("depth_mm"), depth, below, 1.0)?;
+        }
+        for (axis, &slide) in step.slide_mm.iter().flatten().enumerate() {
+            number(&key(&format!("slide_mm[{axis}]")), slide, ANY, 1.0)?;
+        }
+        number(&key("hold_s"), step.hold_s, NOT_NEGATIVE, 10.0)?;
+        if step.hold_s > 0.0 && press.rate_mm_per_s.is_none() {
+            let message = "without press.rate_mm_per_s the press is slow and nothing is left to relax; give it";
+            return Err(Invalid::new(key("hold_s"), message));
+        }
+        if step.depth_mm.is_none() && step.slide_mm.is_none() && step.hold_s == 0.0 {
+            let message = "changes nothing; give depth_mm, slide_mm or hold_s";
+            return Err(Invalid::new(format!("press.step[{index}]"), message));
         }
     }
+    if press.tilt_deg != [0.0; 2] && press.interface == Interface::Tied {
+        let message = "a tied phantom has turned all the way at the last of depths_mm; give depths_mm, not steps";
+        return Err(Invalid::new("press.tilt_deg", message));
+    }
+    Ok(())
 }
 
 fn speed(press: &Press) -> Result<(), Invalid> {
@@ -158,7 +196,6 @@ fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), 
         }
         None => (footprint_mm.map(|extent| extent / 2.0), ["press.footprint"; 2]),
     };
-    let over = if press.offset_mm == [0.0; 2] { "press.footprint" } else { "press.offset_mm" };
     for axis in 0..2 {
         number(&format!("press.offset_mm[{axis}]"), press.offset_mm[axis], ANY, 1.0)?;
         number(names[axis], half[axis], POSITIVE, 15.0)?;
@@ -167,25 +204,38 @@ fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), 
             let message = format!("must be at most {room} to lie within stack.footprint_mm, is {}", half[axis]);
             return Err(Invalid::new(names[axis], message));
         }
-        if let PhantomBody::Block { size_mm, .. } = &phantom.shape
-            && half[axis] + press.offset_mm[axis].abs() > size_mm[axis] / 2.0 + TOUCHING_MM
-        {
-            let (reach, room) = (half[axis], size_mm[axis] / 2.0 - press.offset_mm[axis].abs());
-            let message =
-                format!("the touched face reaches {reach} mm from the axis, over the phantom's side at {room} mm");
-            return Err(Invalid::new(over, message));
-        }
     }
     let outline = press.footprint.unwrap_or(Face::Rectangle { half_widths_mm: half });
-    if let PhantomBody::Cylinder { radius_mm, .. } = &phantom.shape
-        && farthest_mm(&outline, press.offset_mm) > radius_mm + TOUCHING_MM
-    {
-        let (reach, radius_mm) = (farthest_mm(&outline, press.offset_mm), *radius_mm);
-        let message =
-            format!("the touched face reaches {reach} mm from the axis, over the phantom's side at {radius_mm} mm");
-        return Err(Invalid::new(over, message));
+    let over = if press.offset_mm == [0.0; 2] { "press.footprint" } else { "press.offset_mm" };
+    below_phantom(&outline, press.offset_mm, phantom, over)?;
+    for (index, slide) in press.step.iter().enumerate().filter_map(|(index, step)| Some((index, step.slide_mm?))) {
+        let place = [0, 1].map(|axis| press.offset_mm[axis] + slide[axis]);
+        below_phantom(&outline, place, phantom, &format!("press.step[{index}].slide_mm"))?;
     }
     Ok(())
+}
+
+/// Whether the touched face lies below a phantom that is moved to a place.
+fn below_phantom(face: &Face, place_mm: [f64; 2], phantom: &Phantom, key: &str) -> Result<(), Invalid> {
+    let over = |reach: f64, room: f64| {
+        let message =
+            format!("the touched face reaches {reach} mm from the axis, over the phantom's side at {room} mm");
+        Err(Invalid::new(key, message))
+    };
+    match &phantom.shape {
+        PhantomBody::Cylinder { radius_mm, .. } => {
+            let reach = farthest_mm(face, place_mm);
+            if reach > radius_mm + TOUCHING_MM { over(reach, *radius_mm) } else { Ok(()) }
+        }
+        PhantomBody::Block { size_mm, .. } => {
+            let half = face.half_widths_mm();
+            let room = |axis: usize| size_mm[axis] / 2.0 - place_mm[axis].abs();
+            match (0..2).find(|&axis| half[axis] > room(axis) + TOUCHING_MM) {
+                Some(axis) => over(half[axis], room(axis)),
+                None => Ok(()),
+            }
+        }
+    }
 }
 
 /// Farthest point of a face from the axis of a phantom that is moved, mm.

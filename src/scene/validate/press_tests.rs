@@ -1,7 +1,10 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
 use crate::scene::bad_scenes::{Bad, bad, check, check_scan, rule, text_of};
-use crate::scene::{DepthTo, Dimensions, Inclusion, InclusionBody, Interface, parse, preset, scan_preset};
+use crate::scene::{
+    DepthTo, Dimensions, Inclusion, InclusionBody, Interface, PhantomLayer, PressStep, Scene, parse, preset,
+    scan_preset,
+};
 use std::path::Path;
 
 /// The preset that the cases change: a sphere of 8 mm, 5 mm deep.
@@ -17,6 +20,74 @@ fn scan_rule(from: &'static str, to: &'static str, key: &'static str, says: &'st
 
 fn press_rule(from: &'static str, to: &'static str, key: &'static str, says: &'static str) -> Bad {
     rule(SCENE, from, to, key, says)
+}
+
+const LAYER: &str = "[[phantom.layer]]\nthickness_mm = 2\nmaterial = { law = \"linear\", youngs_kpa = 50 }\n[press]\n";
+
+/// A scene with layers, wrong in one way.
+fn layer_rule(from: &str, to: &str, key: &'static str, says: &'static str) -> Bad {
+    let text: &'static str = LAYER.replace(from, to).leak();
+    press_rule("[press]\n", text, key, says)
+}
+
+#[test]
+fn steps_go_somewhere_above_the_base_and_below_the_phantom() {
+    let mut scene = crate::scene::preset("phantom-size-8mm").unwrap().scene;
+    let press = scene.press.as_mut().unwrap();
+    let step = PressStep { depth_mm: Some(2.0), ..PressStep::default() };
+    press.step = vec![step];
+    assert_eq!(validate(&scene).unwrap_err().key, "press.step");
+    let key = |scene: &mut Scene, steps: Vec<PressStep>| {
+        let press = scene.press.as_mut().unwrap();
+        (press.depths_mm, press.step) = (None, steps);
+        validate(scene).map_err(|error| (error.key, error.message))
+    };
+    let wrong = |scene: &mut Scene, step: PressStep, at: &str, says: &str| {
+        let (found, message) =
+            key(scene, vec![PressStep { depth_mm: Some(1.0), ..PressStep::default() }, step]).unwrap_err();
+        assert!(found == at && message.contains(says), "{found}: {message}");
+    };
+    let none = PressStep::default();
+    wrong(&mut scene, PressStep { depth_mm: Some(25.0), ..none }, "press.step[1].depth_mm", "below 25");
+    wrong(&mut scene, PressStep { depth_mm: Some(-0.1), ..none }, "press.step[1].depth_mm", "at least 0");
+    wrong(&mut scene, none, "press.step[1]", "changes nothing");
+    wrong(&mut scene, PressStep { hold_s: 3.0, ..none }, "press.step[1].hold_s", "rate_mm_per_s");
+    let far = PressStep { slide_mm: Some([0.0, 16.0]), ..none };
+    wrong(&mut scene, far, "press.step[1].slide_mm", "over the phantom's side");
+    let slid = PressStep { slide_mm: Some([0.0, 3.0]), ..none };
+    assert_eq!(key(&mut scene, vec![step, slid, PressStep { depth_mm: Some(0.0), ..none }]), Ok(()));
+    scene.press.as_mut().unwrap().dimensions = Dimensions::Two;
+    let error = validate(&scene).unwrap_err();
+    assert!(error.key == "press.dimensions" && error.message.contains("press.step slides"), "{}", error.message);
+    let press = scene.press.as_mut().unwrap();
+    (press.dimensions, press.tilt_deg) = (Dimensions::Auto, [1.0, 0.0]);
+    assert_eq!(validate(&scene).unwrap_err().key, "press.tilt_deg");
+}
+
+#[test]
+fn layers_fit_the_phantom_and_no_inclusion_crosses_them() {
+    let two =
+        "thickness_mm = 20\nmaterial = { law = \"linear\", youngs_kpa = 5 }\n[[phantom.layer]]\nthickness_mm = 5 #!";
+    let wrong = [
+        layer_rule("= 2", "= 0 #!", "phantom.layer[0].thickness_mm", "positive"),
+        layer_rule("= 2", "= 25 #!", "phantom.layer[0].thickness_mm", "below 25"),
+        layer_rule("thickness_mm = 2", two, "phantom.layer[1].thickness_mm", "no room for its own material"),
+        layer_rule("= 50 }", "= 0 } #!", "phantom.layer[0].material.youngs_kpa", "positive"),
+    ];
+    wrong.iter().for_each(check);
+    let mut scene = crate::scene::preset("phantom-size-8mm").unwrap().scene;
+    let phantom = scene.phantom.as_mut().unwrap();
+    let material = phantom.material.clone();
+    phantom.layer = [5.0, 8.0].map(|thickness_mm| PhantomLayer { thickness_mm, material: material.clone() }).to_vec();
+    assert!(validate(&scene).is_ok());
+    // The sphere of 8 mm lies from 5 to 13 mm deep.
+    for thickness in [[5.1, 8.0], [5.0, 7.9], [9.0, 9.0]] {
+        let phantom = scene.phantom.as_mut().unwrap();
+        phantom.layer.iter_mut().zip(thickness).for_each(|(layer, mm)| layer.thickness_mm = mm);
+        let error = validate(&scene).unwrap_err();
+        assert_eq!(error.key, "phantom.inclusion[0].depth_mm");
+        assert!(error.message.contains("an inclusion lies in one layer"), "{}", error.message);
+    }
 }
 
 #[test]

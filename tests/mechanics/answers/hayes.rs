@@ -24,6 +24,7 @@ fn layer(height: f64, radius: f64, rung: usize) -> Mesh {
         symmetry: [true, false],
         resolution: graded(0.01, 0.2, 0.4 * height, 0.6, rung),
         offset_mm: [0.0; 2],
+        layers_mm: Vec::new(),
     }
     .build_2d()
     .unwrap()

@@ -29,6 +29,7 @@ fn press(rung: usize, kinematics: Kinematics, poisson: f64, profile: Profile, de
         symmetry: [true, false],
         resolution: graded(0.2, 0.2, 0.4 * far, 0.5, rung),
         offset_mm: [0.0; 2],
+        layers_mm: Vec::new(),
     }
     .build_2d()
     .unwrap();

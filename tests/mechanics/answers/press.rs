@@ -24,6 +24,7 @@ pub fn phantom(rung: usize, ball: Option<(f64, f64)>) -> Mesh {
         symmetry: [true, false],
         resolution: Resolution { subdivision: rung, ..Resolution::PLANE },
         offset_mm: [0.0; 2],
+        layers_mm: Vec::new(),
     }
     .build_2d()
     .unwrap()

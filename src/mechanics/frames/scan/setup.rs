@@ -47,7 +47,6 @@ impl ScanSetup {
     pub fn from_scene(loaded: &LoadedScan) -> Result<Self, ScanError> {
         let (phantom, scan) = (&loaded.scene.phantom, &loaded.scene.scan);
         let inclusions = phantom.inclusion.iter().map(|one| from_scene::inclusion_shape(one, &loaded.folder));
-        let bodies = std::iter::once(&phantom.material).chain(phantom.inclusion.iter().map(|one| &one.material));
         let half = scan.frame_half_width_mm;
         let reach = scan.positions_mm.from.abs().max(scan.positions_mm.to.abs()) + half;
         let steps = f64::from(scan.frame_points.saturating_sub(1).max(1));
@@ -59,8 +58,9 @@ impl ScanSetup {
                 symmetry: [false; 2],
                 resolution: RESOLUTION.finer(scan.resolution),
                 offset_mm: [0.0; 2],
+                layers_mm: phantom.layer.iter().map(|layer| layer.thickness_mm).collect(),
             },
-            materials: bodies.map(from_scene::material).collect::<Result<_, _>>()?,
+            materials: from_scene::materials(phantom)?,
             indenter: match &scan.indenter {
                 Indenter::Round { radius_mm } => Profile::Round { radius_mm: *radius_mm },
                 &Indenter::RoundedFlat { flat_mm, edge_radius_mm } => Profile::RoundedFlat { flat_mm, edge_radius_mm },
@@ -86,12 +86,8 @@ impl ScanSetup {
         Self { tissue: self.tissue.halved(), ..self.clone() }
     }
 
-    /// The same scan of the same mesh without inclusions: all of the tissue's material.
+    /// The same scan of the same mesh without inclusions: each is of the tissue around it.
     pub fn without_inclusions(&self) -> Self {
-        let mut setup = self.clone();
-        if let Some(tissue) = self.materials.first() {
-            setup.materials = vec![tissue.clone(); self.materials.len()];
-        }
-        setup
+        Self { materials: self.tissue.plain(&self.materials), ..self.clone() }
     }
 }

@@ -128,6 +128,7 @@ fn a_cylinder_on_a_thick_block_follows_hertz() {
             symmetry: [false; 2],
             resolution: Resolution { edge_mm: 0.1, contact_mm: 0.1, coarsest_mm: 30.0, growth: 0.5, ..COARSE },
             offset_mm: [0.0; 2],
+            layers_mm: Vec::new(),
         },
         materials: vec![Material::linear(youngs_kpa, poisson).unwrap()],
         indenter: Profile::Round { radius_mm },

@@ -33,7 +33,7 @@ pub(super) struct Layered {
     pub hexes: Vec<Hex>,
     /// The layers' elements.
     pub layers: Vec<Layer>,
-    /// Region of each element of the base mesh.
+    /// Inclusion of each element of the base mesh, or 0.
     pub region: Vec<u32>,
     /// Of corners on the staircase: the corner within and that on the surface.
     pub parted: HashMap<u32, [u32; 2]>,
@@ -136,11 +136,15 @@ impl Layered {
 
     /// Which coordinates of which corners may move.
     pub fn free(&self, base: &Mesh) -> Vec<Free> {
+        let interface = interfaces(base);
         let mut held: Vec<Free> = planes(base);
         held.resize(self.points.len(), [false; 3]);
         for (&node, &[within, surface]) in &self.parted {
             held[within as usize] = held[node as usize];
             held[surface as usize] = [true; 3];
+        }
+        for (node, held) in held.iter_mut().enumerate().take(base.nodes.len()) {
+            held[2] |= interface[node];
         }
         for facet in base.facets.iter().filter(|facet| is_fixed(facet)) {
             base.facet_nodes(*facet).into_iter().for_each(|node| held[node as usize] = [true; 3]);
@@ -154,6 +158,18 @@ impl Layered {
         }
         held.into_iter().zip(near).map(|(held, near)| held.map(|held| near && !held)).collect()
     }
+}
+
+/// Whether each node lies between elements of two layers.
+fn interfaces(base: &Mesh) -> Vec<bool> {
+    let mut seen: Vec<Option<u32>> = vec![None; base.nodes.len()];
+    let mut between = vec![false; base.nodes.len()];
+    for (element, &region) in base.region.iter().enumerate() {
+        for &node in base.element(element) {
+            between[node as usize] |= seen[node as usize].replace(region).is_some_and(|other| other != region);
+        }
+    }
+    between
 }
 
 /// Coordinates that planes of symmetry hold.

@@ -101,7 +101,7 @@ fn not_manifold(mesh: &Mesh, region: &[u32]) -> Vec<usize> {
         let mut reached = vec![around[0]];
         let mut next = 0;
         while next < reached.len() {
-            let through = edges.iter_near(mesh, facets[reached[next]], *node);
+            let through = facets_near(&edges, mesh, facets[reached[next]], *node);
             let new: Vec<usize> = through.into_iter().filter(|number| !reached.contains(number)).collect();
             reached.extend(new);
             next += 1;
@@ -115,16 +115,15 @@ fn not_manifold(mesh: &Mesh, region: &[u32]) -> Vec<usize> {
     odd
 }
 
-/// Facets by their edges.
-trait Edges {
-    fn iter_near(&self, mesh: &Mesh, facet: (usize, u8), node: u32) -> Vec<usize>;
-}
-
-impl Edges for HashMap<[u32; 2], Vec<usize>> {
-    fn iter_near(&self, mesh: &Mesh, (element, side): (usize, u8), node: u32) -> Vec<usize> {
-        let nodes = corners(mesh, element);
-        let ends = face_corners(side).map(|corner| nodes[corner]);
-        let keys = ends.iter().map(|&end| [end.min(node), end.max(node)]);
-        keys.filter_map(|key| self.get(&key)).flatten().copied().collect()
-    }
+/// Facets, by their edges, at those edges of a facet that end at a node.
+fn facets_near(
+    edges: &HashMap<[u32; 2], Vec<usize>>,
+    mesh: &Mesh,
+    (element, side): (usize, u8),
+    node: u32,
+) -> Vec<usize> {
+    let nodes = corners(mesh, element);
+    let ends = face_corners(side).map(|corner| nodes[corner]);
+    let keys = ends.iter().map(|&end| [end.min(node), end.max(node)]);
+    keys.filter_map(|key| edges.get(&key)).flatten().copied().collect()
 }

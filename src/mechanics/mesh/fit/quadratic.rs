@@ -24,7 +24,11 @@ pub(super) fn add(
     builder.expect_elements(layered.hexes.len())?;
     for element in 0..base.element_count() {
         let moved = layered.hexes[element].corners;
-        builder.add(layered.region[element], |local| follow(base, layered, element, moved, local));
+        let region = match layered.region[element] {
+            0 => base.region[element],
+            inclusion => inclusion,
+        };
+        builder.add(region, |local| follow(base, layered, element, moved, local));
     }
     let mut curved = Curved::new();
     for round in 1..=ROUNDS {
@@ -40,7 +44,8 @@ pub(super) fn add(
     }
     for layer in &layered.layers {
         let nodes = nodes(base, layered, layer, bodies, &curved)?;
-        let region = if layer.outer { 0 } else { layered.region[layer.element] };
+        // An inclusion's elements were those of its layer.
+        let region = if layer.outer { base.region[layer.element] } else { layered.region[layer.element] };
         builder.add(region, |local| nodes[local[0] + 3 * local[1] + 9 * local[2]]);
     }
     Ok(())

@@ -47,7 +47,7 @@ proptest! {
             footprint: if round { Footprint::Round { radius_mm: 15.0 } } else { Footprint::Rectangle { half_widths_mm } },
             symmetry: [false; 2],
             resolution: Resolution::SOLID.halved(),
-            inclusions, offset_mm: [0.0; 2],
+            inclusions, offset_mm: [0.0; 2], layers_mm: Vec::new(),
         };
         let around = 2.0 * (60.0 * 50.0 + 60.0 * 25.0 + 50.0 * 25.0);
         assert_mesh_or_reason(body.build_3d(), 75_000.0, around, 1e-9);

@@ -6,6 +6,7 @@ use super::*;
 
 mod anywhere;
 mod fitted;
+mod layered;
 mod plane;
 mod solid;
 mod verification;
@@ -19,6 +20,7 @@ fn phantom(inclusions: Vec<InclusionShape>) -> PhantomMesh {
         symmetry: [true, true],
         resolution: Resolution::PLANE,
         offset_mm: [0.0; 2],
+        layers_mm: Vec::new(),
     }
 }
 

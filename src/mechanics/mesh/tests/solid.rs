@@ -34,6 +34,29 @@ fn quarter_surface(radius: f64, height: f64) -> f64 {
 }
 
 #[test]
+fn a_quarter_and_its_images_are_the_whole() {
+    let quarter = PhantomMesh { resolution: Resolution::SOLID.halved(), ..phantom(vec![sphere(8.0, 5.0)]) };
+    let part = quarter.build_3d().unwrap();
+    let whole = part.whole([true; 2]);
+    let volume = |mesh: &Mesh, region: u32| measure(mesh, region, false);
+    assert!((0..2).all(|region| (volume(&whole.mesh, region) / volume(&part, region) - 4.0).abs() < 1e-9));
+    // Nodes on the planes are not there twice.
+    let around = 2.0 * PI * 30.0 * 55.0;
+    assert_conforming(&whole.mesh, around, 2e-3 * around);
+    let [found, expected] = [&whole.mesh, &part].map(Mesh::quality);
+    assert!((found.least_jacobian / expected.least_jacobian - 1.0).abs() < 1e-9);
+    for (node, (of, signs)) in whole.mesh.nodes.iter().zip(&whole.nodes) {
+        assert!((0..3).all(|i| node[i] == signs[i] * part.nodes[*of as usize][i]));
+    }
+    let middle = |mesh: &Mesh, e: usize| mesh.nodes[mesh.element(e)[13] as usize];
+    for (e, (of, signs)) in whole.elements.iter().enumerate() {
+        let (at, source) = (middle(&whole.mesh, e), middle(&part, *of as usize));
+        assert!((0..3).all(|i| at[i] == signs[i] * source[i]) && whole.mesh.region[e] == part.region[*of as usize]);
+    }
+    assert_eq!(part.whole([false; 2]).mesh, part);
+}
+
+#[test]
 fn default_quarter_has_the_elements_meant() {
     let mesh = solid(vec![sphere(8.0, 5.0)]).build_3d().unwrap();
     assert!((1_500..4_000).contains(&mesh.element_count()), "{:?}", mesh.quality());
