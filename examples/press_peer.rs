@@ -1,14 +1,17 @@
 //! Presses that `benches/peers/compare_press.py` also gives to another program: one press, one line of JSON.
 //!
 //!     cargo run --release --example press_peer -- tied --law neo-hookean --press 1 --subdivision 2
+//!     cargo run --release --example press_peer -- tied --law linear --off-axis 5 --layers 5,5,5 --subdivision 1
 //!     cargo run --release --example press_peer -- hertz --rung 2 --mesh out/hertz-mesh.json
 //!
 //! `tied`: a rigid plate of radius 15 mm tied to a phantom (radius 30, height 25, 5 kPa, nu 0.499) with a ball of 8 mm
-//! and 120 kPa, its top 5 mm deep. `hertz`: a rigid ball of radius 400 mm pressed without friction into a half space of
-//! 1 kPa so far that the contact's radius is 1 mm. `--mesh` writes the mesh for the other program.
+//! and 120 kPa, its top 5 mm deep. With `--off-axis` the ball lies beside the axis and the half y >= 0 is pressed in
+//! three dimensions; with `--skin` a layer of another modulus covers the phantom's face; with `--layers` the plate is
+//! the face of three soft layers on glass. `hertz`: a rigid ball of radius 400 mm pressed without friction into a half
+//! space of 1 kPa so far that the contact's radius is 1 mm. `--mesh` writes the mesh for the other program.
 
-use anyhow::{Context as _, Result};
-use clap::{Parser, Subcommand, ValueEnum};
+use anyhow::{Context as _, Result, ensure};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -32,32 +35,15 @@ use tirtouch::mechanics::problem::{Problem, Support};
 struct Arguments {
     #[command(subcommand)]
     press: Press,
-    /// Writes nodes (r, z), elements of 9 nodes and their regions.
+    /// Writes nodes (r, z) or (x, y, z), elements of 9 or 27 nodes and their regions.
     #[arg(long, global = true)]
     mesh: Option<PathBuf>,
 }
 
 #[derive(Subcommand)]
 enum Press {
-    /// A rigid plate tied to a phantom with a ball in it.
-    Tied {
-        #[arg(long, default_value = "neo-hookean")]
-        law: LawName,
-        /// Motion of the plate, mm.
-        #[arg(long, default_value_t = 1.0)]
-        press: f64,
-        /// Divides every element along each axis; the default of a press is 2.
-        #[arg(long, default_value_t = 2)]
-        subdivision: usize,
-        /// Sizes of elements in parts of the default's.
-        #[arg(long, default_value_t = 1.0)]
-        scale: f64,
-        /// Presses again on elements of twice the size to estimate the error.
-        #[arg(long)]
-        estimate: bool,
-        #[arg(long, default_value_t = 0.499)]
-        nu: f64,
-    },
+    /// A plate tied to a phantom with a ball in it.
+    Tied(Tied),
     /// A rigid ball on a half space.
     Hertz {
         /// Elements in the contact measure 0.2 mm over this.
@@ -68,12 +54,52 @@ enum Press {
     },
 }
 
+#[derive(Args)]
+struct Tied {
+    #[arg(long, default_value = "neo-hookean")]
+    law: LawName,
+    /// Motion of the plate, mm.
+    #[arg(long, default_value_t = 1.0)]
+    press: f64,
+    /// Divides every element along each axis; the default of a press is 2, in three dimensions 1.
+    #[arg(long, default_value_t = 2)]
+    subdivision: usize,
+    /// Sizes of elements in parts of the default's.
+    #[arg(long, default_value_t = 1.0)]
+    scale: f64,
+    /// Presses again on elements of twice the size to estimate the error.
+    #[arg(long)]
+    estimate: bool,
+    #[arg(long, default_value_t = 0.499)]
+    nu: f64,
+    /// Distance of the ball from the axis along x, mm; three dimensions.
+    #[arg(long)]
+    off_axis: Option<f64>,
+    /// Thickness, mm, and Young's modulus, kPa, of a layer on the phantom's touched face.
+    #[arg(long, value_delimiter = ',')]
+    skin: Option<Vec<f64>>,
+    /// Young's moduli of a soft sensor's layers, kPa, the one on the glass first.
+    #[arg(long, value_delimiter = ',')]
+    layers: Option<Vec<f64>>,
+}
+
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum LawName {
     Linear,
     NeoHookean,
 }
 
+/// Thicknesses of a soft sensor's layers, mm, the one on the glass first.
+const LAYERS_MM: [f64; 3] = [5.0, 3.0, 2.0];
+/// Elements in three dimensions, so large that the other program too can press their halves and thirds.
+const SOLID: Resolution = Resolution {
+    edge_mm: 0.3,
+    contact_mm: 5.0,
+    coarsest_mm: 14.0,
+    growth: 2.0,
+    inclusion_divisions: 1.0,
+    ..Resolution::SOLID
+};
 /// Reach of the weight 1 - (r / reach)^2 under which the pressure in the middle is averaged, mm.
 const MIDDLE_MM: f64 = 2.5;
 /// Radius of the rigid ball, mm: the contact's is a 400th of it, as Hertz leaves out that points move sideways.
@@ -86,10 +112,7 @@ const REACH_MM: f64 = 1.4;
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
     let (mesh, figures) = match arguments.press {
-        Press::Tied { law, press, subdivision, scale, estimate, nu } => {
-            let resolution = Resolution { subdivision, ..Resolution::PLANE.scaled(scale) };
-            tied(&tied_setup(law, press, resolution, nu)?, estimate)?
-        }
+        Press::Tied(asked) => tied(&asked.setup()?, asked.estimate)?,
         Press::Hertz { rung, nu } => hertz(rung, nu)?,
     };
     if let Some(path) = arguments.mesh {
@@ -99,38 +122,62 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-fn tied_setup(law: LawName, depth_mm: f64, resolution: Resolution, nu: f64) -> Result<Setup> {
-    let material = |youngs_kpa: f64| match law {
-        LawName::Linear => Material::linear(youngs_kpa, nu),
-        LawName::NeoHookean => Material::neo_hookean(youngs_kpa, nu),
-    };
-    let ball = InclusionShape { center_mm: [0.0, 0.0, 9.0], surface: Star::Ellipsoid { semi_axes_mm: [4.0; 3] } };
-    Ok(Setup {
-        kinematics: Kinematics::Axisymmetric,
-        pressure: PressureOrder::Linear,
-        phantom: PhantomMesh {
-            shape: PhantomShape::Cylinder { radius_mm: 30.0, height_mm: 25.0 },
-            inclusions: vec![ball],
-            footprint: Footprint::Round { radius_mm: 15.0 },
-            symmetry: [true, true],
-            resolution,
-            offset_mm: [0.0; 2],
-            layers_mm: Vec::new(),
-        },
-        phantom_materials: vec![material(5.0)?, material(120.0)?],
-        sensor: SensorBody::Rigid { edge_radius_mm: 0.5 },
-        grip: Grip::Bonded,
-        load: Load::Depths(vec![depth_mm]),
-        seconds_per_mm: None,
-        hold_s: 0.0,
-        tilt_deg: [0.0; 2],
-    })
+impl Tied {
+    fn material(&self, youngs_kpa: f64) -> Result<Material> {
+        Ok(match self.law {
+            LawName::Linear => Material::linear(youngs_kpa, self.nu),
+            LawName::NeoHookean => Material::neo_hookean(youngs_kpa, self.nu),
+        }?)
+    }
+
+    fn setup(&self) -> Result<Setup> {
+        let solid = self.off_axis.is_some();
+        let center_mm = [self.off_axis.unwrap_or(0.0), 0.0, 9.0];
+        let base = if solid { SOLID } else { Resolution::PLANE };
+        Ok(Setup {
+            kinematics: if solid { Kinematics::ThreeDimensional } else { Kinematics::Axisymmetric },
+            pressure: PressureOrder::Linear,
+            phantom: PhantomMesh {
+                shape: PhantomShape::Cylinder { radius_mm: 30.0, height_mm: 25.0 },
+                inclusions: vec![InclusionShape { center_mm, surface: Star::Ellipsoid { semi_axes_mm: [4.0; 3] } }],
+                footprint: Footprint::Round { radius_mm: 15.0 },
+                symmetry: [!solid, true],
+                resolution: Resolution { subdivision: self.subdivision, ..base.scaled(self.scale) },
+                offset_mm: [0.0; 2],
+                layers_mm: self.skin.iter().flatten().take(1).copied().collect(),
+            },
+            phantom_materials: [5.0, 120.0]
+                .iter()
+                .chain(self.skin.iter().flatten().skip(1))
+                .map(|&youngs| self.material(youngs))
+                .collect::<Result<_>>()?,
+            sensor: self.sensor()?,
+            grip: Grip::Bonded,
+            load: Load::Depths(vec![self.press]),
+            seconds_per_mm: None,
+            hold_s: 0.0,
+            tilt_deg: [0.0; 2],
+        })
+    }
+
+    fn sensor(&self) -> Result<SensorBody> {
+        let Some(layers) = &self.layers else {
+            return Ok(SensorBody::Rigid { edge_radius_mm: 0.5 });
+        };
+        ensure!(layers.len() == LAYERS_MM.len(), "{} layers, {} moduli", LAYERS_MM.len(), layers.len());
+        let layers =
+            LAYERS_MM.into_iter().zip(layers).map(|(thickness, &youngs)| Ok((thickness, self.material(youngs)?)));
+        Ok(SensorBody::Layers { layers: layers.collect::<Result<_>>()?, edge_radius_mm: 0.0 })
+    }
 }
 
 fn tied(setup: &Setup, estimate: bool) -> Result<(Mesh, Value)> {
     let pressed = press(setup, PressSettings { estimate_error: estimate, ..PressSettings::default() }, &mut |_| true)?;
     let step = pressed.steps.last().context("no depth was reached")?;
     let Assembly { problem, .. } = pressed.assembly;
+    let dim = problem.kinematics.dim();
+    let touched: Vec<_> = step.points.iter().map(|p| (&p.reference_mm[..dim - 1], p.force_mn, p.area_mm2)).collect();
+    let wall = contact_points(&problem, 1, &step.state).iter().map(|p| p.pressure_kpa).fold(0.0, f64::max);
     let figures = json!({
         "dofs": pressed.unknowns,
         "elements": problem.mesh.element_count(),
@@ -138,7 +185,9 @@ fn tied(setup: &Setup, estimate: bool) -> Result<(Mesh, Value)> {
         "iterations": pressed.iterations,
         "factor_mib": pressed.factor_mib,
         "force_n": step.force_n,
-        "middle_kpa": middle(&step.points),
+        "middle_kpa": (dim == 2).then(|| middle(&step.points)),
+        "wall_kpa": wall,
+        "touched": touched,
         "estimated_force_error": step.error.map(|error| error.force),
         "estimated_pressure_error": step.error.map(|error| error.rms),
         "estimate_seconds": pressed.error_seconds,
@@ -238,7 +287,7 @@ fn held(mesh: &Mesh, depth_mm: f64) -> Vec<Support> {
 }
 
 fn write_mesh(mesh: &Mesh, path: &Path) -> Result<()> {
-    let nodes: Vec<[f64; 2]> = mesh.nodes.iter().map(|x| [x[0], x[1]]).collect();
+    let nodes: Vec<&[f64]> = mesh.nodes.iter().map(|x| &x[..mesh.dim]).collect();
     let elements: Vec<&[u32]> = (0..mesh.element_count()).map(|e| mesh.element(e)).collect();
     let text = json!({ "nodes": nodes, "elements": elements, "region": mesh.region }).to_string();
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))

@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """tirtouch against CalculiX: the same presses, their forces and pressures, and the seconds they take.
 
-    benches/peers/mechanics.sh                  # builds the release binary, then all three parts
+    benches/peers/mechanics.sh                  # builds the release binary, then all parts
     python compare_press.py forces hertz        # some parts; the figures of the others are kept
 
 forces   a tied press on ladders of meshes: the mesh of ours in both programs, and CalculiX's own even grid
 speed    the same press by both, alternating, the order turning from round to round
 hertz    a ball on a block of the same mesh: the pressures against Hertz's
+layers   soft layers of several moduli tied to the phantom, with faults that must show (other_presses.py)
+skin     a layer of the phantom of another modulus, likewise
+off-axis a ball beside the axis in three dimensions, likewise
 
 Writes mechanics.json (every figure) and mechanics.md (the tables).
 """
@@ -17,12 +20,14 @@ import os
 import resource
 import statistics
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
 import calculix_deck as ccx
 import calculix_hertz
 import calculix_press
+import other_presses
 
 HERE = Path(__file__).resolve().parent
 PRESSES = {"linear, 1 mm": ("linear", 1.0), "neo-Hookean, 1 mm": ("neo-hookean", 1.0), "neo-Hookean, 4 mm": ("neo-hookean", 4.0)}
@@ -70,6 +75,11 @@ class Programs:
         return calculix_press.solve(mesh, law, press, self.work / "press")
 
 
+def brief(run):
+    """The figures of a run without its points."""
+    return {key: value for key, value in run.items() if key != "touched"}
+
+
 def extrapolated(values):
     """Aitken's limit of a ladder of halved sizes; of two rungs that of order 1, the tied edge being singular; the
     last where the steps do not shrink one way."""
@@ -92,7 +102,7 @@ def forces(programs, found, keep):
             known = found.setdefault(name, {}).setdefault(program, {})
             if rung not in known:
                 try:
-                    known[rung] = run()
+                    known[rung] = brief(run())
                 except RuntimeError as error:
                     known[rung] = {"failed": str(error)}
                 print(name, program, rung, known[rung], flush=True)
@@ -116,7 +126,7 @@ def speed(programs, found, keep, rounds):
     found["rounds"] = {name: [] for name in SPEED}
     for number in range(rounds):
         for name in list(SPEED)[:: 1 if number % 2 == 0 else -1]:
-            found["rounds"][name].append(SPEED[name](programs))
+            found["rounds"][name].append(brief(SPEED[name](programs)))
             print(number, name, found["rounds"][name][-1], flush=True)
     found["load_after"] = os.getloadavg()
     keep()
@@ -147,6 +157,13 @@ def hertz(programs, found, keep):
         log = (programs.work / "hertz" / "log").read_text()
         found["mortar"] = next((" ".join(line.split()) for line in log.splitlines() if "*ERROR" in line), "fails")
     keep()
+
+
+TITLES = {
+    "layers": "Tied press of soft layers, 1 mm; moduli from the glass up",
+    "skin": "Tied press of a layered phantom, 1 mm",
+    "off-axis": "Tied press in three dimensions, 1 mm",
+}
 
 
 def tables(found):
@@ -186,6 +203,9 @@ def tables(found):
                     f"| {size} | {program} | {run['dofs']} | {100 * run['rms']:.2f} % | {100 * run['rms_off_axis']:.2f} % | {100 * run['largest_off_axis']:.2f} % | {ratio:.4f} | {run['seconds']:.2f} |"
                 )
         text += ["", f"CalculiX's mortar contact, axisymmetric: `{found['hertz']['mortar']}`.", ""]
+    for part in other_presses.PARTS:
+        if part in found:
+            text += [f"## {TITLES[part]}", "", *other_presses.table(part, found[part])]
     return "\n".join(text)
 
 
@@ -217,7 +237,7 @@ def _speed_table(found):
 
 def main():
     p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    p.add_argument("parts", nargs="*", help="forces, speed, hertz; all where none is named")
+    p.add_argument("parts", nargs="*", help="forces, speed, hertz, layers, skin, off-axis; all where none is named")
     p.add_argument("--binary", default=HERE.parent.parent / "target/release/examples/press_peer")
     p.add_argument("--build", default="release", help="what the tables say of the binary")
     p.add_argument("--rounds", type=int, default=5)
@@ -235,15 +255,20 @@ def main():
 
     with tempfile.TemporaryDirectory() as work:
         programs = Programs(a.binary, work)
-        for part in a.parts or ["forces", "speed", "hertz"]:
+        for part in a.parts or ["forces", "speed", "hertz", *other_presses.PARTS]:
             section = found.setdefault(part, {})
             if part == "speed":
                 speed(programs, section, keep, a.rounds)
+            elif part in other_presses.PARTS:
+                other_presses.run(programs, part, section, keep)
             else:
                 {"forces": forces, "hertz": hertz}[part](programs, section, keep)
     keep()
     (out / "mechanics.md").write_text(tables(found))
     print(tables(found))
+    failures = [line for part in other_presses.PARTS for line in other_presses.failures(part, found.get(part, {}))]
+    if failures:
+        sys.exit("Presses that differ, or faults that do not show:\n" + "\n".join(failures))
 
 
 if __name__ == "__main__":
