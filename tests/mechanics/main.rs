@@ -13,6 +13,7 @@ mod faults;
 mod friction;
 mod inclusion;
 mod laws;
+mod layer;
 mod locking;
 mod manufactured;
 mod multigrid;
