@@ -2,9 +2,10 @@
 //! (Hayes et al., J. Biomech. 5, 541, 1972).
 //!
 //! In units of the punch's radius a, with the layer's height h and E* = E / (1 - nu^2), a function phi on (0, 1) obeys
-//! phi(t) - (a / pi h) int_0^1 phi(s) [K(a (t + s) / h) + K(a (t - s) / h)] ds = 1, K(u) = int_0^inf (1 - L(x)) cos(u x)
-//! dx, where L is the compliance of the layer's face against that of a half space. The force is 2 E* a w kappa with kappa
-//! = int phi, the pressure E* w / (pi a) (phi(1) / sqrt(1 - r^2) - int_r^1 phi'(t) / sqrt(t^2 - r^2) dt).
+//! phi(t) - (a / pi h) int_0^1 phi(s) [K(a (t + s) / h) + K(a (t - s) / h)] ds = 1,
+//! K(u) = int_0^inf (1 - L(x)) cos(u x) dx, where L is the compliance of the layer's face against that of a half space.
+//! The force is 2 E* a w kappa with kappa = int phi, the pressure
+//! E* w / (pi a) (phi(1) / sqrt(1 - r^2) - int_r^1 phi'(t) / sqrt(t^2 - r^2) dt).
 
 use std::f64::consts::PI;
 use tirtouch::mechanics::contact::Grip;
@@ -44,7 +45,8 @@ pub fn rounded(a_over_h: f64, poisson: f64, resolution: Resolution) -> Setup {
     }
 }
 
-/// Nodes of the rule over the punch (Gauss and Legendre), and of Simpson's over the waves, whose end 1 - L has forgotten.
+/// Nodes of the rule over the punch (Gauss and Legendre), parts of Simpson's over the waves, and their end, beyond which
+/// 1 - L is none.
 const NODES: usize = 24;
 const WAVES: usize = 800;
 const LAST_WAVE: f64 = 30.0;

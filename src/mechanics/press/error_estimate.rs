@@ -18,8 +18,8 @@ pub struct PressureError {
 
 /// What the rounding of a rigid sensor's edge does: the face in contact ends before the outline. The edge is rounded
 /// twice as far for it. What that changes a sharp edge changes the other way if the change is as the radius (a face
-/// pressed little), 1.7 times as much if it is as its power 2/3 (a face that the press bends around the arc); the factor
-/// of safety covers both.
+/// pressed little), 1.7 times as much if it is as its power 2/3 (a face that the press bends around the arc). The
+/// factor of safety covers both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rounding {
     /// Root mean square change of the pressure over 0.8 of the footprint's radius, as a share of it.
@@ -34,7 +34,7 @@ pub struct Rounding {
 const LOCAL_ORDER: f64 = 2.0;
 const EDGE_ORDER: f64 = 1.0;
 
-/// Factor of safety on what two meshes say. Between Roache's 3 for two meshes and 1.25 where a third has shown the order
+/// Factor of safety on what two meshes say, between Roache's 3 for two meshes and 1.25 where a third shows the order
 /// (J. Fluids Eng. 116, 405, 1994): the orders are known here, but not that the meshes are fine enough to show them.
 /// docs/decisions/press-errors.md has what other factors hold.
 pub const SAFETY: f64 = 2.0;

@@ -69,8 +69,8 @@ impl Setup {
         Self { phantom, ..self.clone() }
     }
 
-    /// The same press by a rigid sensor whose edge is rounded twice as far; nothing where the sensor has no rounded edge
-    /// or the arc would take more than half of its face.
+    /// The same press by a rigid sensor whose edge is rounded twice as far; nothing where the sensor has no rounded
+    /// edge or the arc would take more than half of its face.
     pub fn twice_rounded(&self) -> Option<Self> {
         match self.sensor {
             SensorBody::Rigid { edge_radius_mm } if self.rim_mm() > 0.0 && 4.0 * edge_radius_mm <= self.reach_mm() => {
