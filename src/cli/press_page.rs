@@ -68,7 +68,7 @@ pub(super) fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Sect
     });
     let columns = ["load", "force (N)", "peak pressure (kPa)", "error of pressure (% rms)", "error of force (%)"];
     items.push(Item::Table(Table {
-        caption: "Presses; errors are estimated from a second mesh of twice the element size".into(),
+        caption: "Presses; errors are estimated from a second, coarser mesh".into(),
         columns: columns.map(str::to_owned).to_vec(),
         rows: rows.collect(),
     }));

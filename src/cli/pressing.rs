@@ -6,7 +6,7 @@ use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::newton::Method;
 use crate::mechanics::path::PathError;
-use crate::mechanics::press::{Cost, PressError, PressSettings, PressStep, Pressed, Setup, press};
+use crate::mechanics::press::{Cost, PressError, PressSettings, PressStep, Pressed, Rounding, Setup, press};
 use crate::scene::LoadedScene;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -140,7 +140,11 @@ pub(super) fn load_name(step: &PressStep) -> String {
 }
 
 fn step_json(step: &PressStep) -> Value {
-    let undefined = json!({"undefined": "press.estimate_error is off"});
+    let no_rounding =
+        json!({"undefined": "no rigid sensor with a rounded edge slides, or its arc takes half of the face"});
+    let rounding = |share: Option<f64>| share.map_or(no_rounding.clone(), |share| json!(share));
+    let undefined =
+        json!({"undefined": "press.estimate_error is off, nothing is borne, or a coarser mesh stops before"});
     json!({
         "depth_mm": step.depth_mm,
         "slide_mm": step.slide_mm,
@@ -148,12 +152,15 @@ fn step_json(step: &PressStep) -> Value {
         "force_n": step.force_n,
         "peak_pressure_kpa": step.peak_pressure_kpa,
         "pressure_error": step.error.map_or(undefined.clone(), |error| json!(error.rms)),
-        "force_error": step.error.map_or(undefined, |error| json!(error.force)),
+        "force_error": step.error.map_or(undefined.clone(), |error| json!(error.force)),
+        "pressure_rounding": step.error.map_or(undefined.clone(), |error| rounding(error.rounding.map(|r| r.rms))),
+        "force_rounding": step.error.map_or(undefined, |error| rounding(error.rounding.map(|r| r.force))),
     })
 }
 
 /// A press in words.
 pub(super) fn press_rows(pressed: &Pressed) -> Vec<(String, String)> {
+    let percent = |share: f64| figure(100.0 * share);
     let row = |name: &str, value: String| (name.to_owned(), value);
     let mut rows = vec![row(
         "mechanics",
@@ -170,7 +177,21 @@ pub(super) fn press_rows(pressed: &Pressed) -> Vec<(String, String)> {
     )];
     rows.extend(pressed.steps.iter().map(|step| {
         let error = match step.error {
-            Some(error) => format!(" (pressure within {} % rms)", figure(100.0 * error.rms)),
+            Some(error) => {
+                let sharp = |rounding: Rounding| {
+                    format!(
+                        "; a sharp edge changes them by up to {} and {} %",
+                        percent(rounding.rms),
+                        percent(rounding.force)
+                    )
+                };
+                let sharp = error.rounding.map_or(String::new(), sharp);
+                format!(
+                    " (pressure within {} % rms, force within {} %{sharp})",
+                    percent(error.rms),
+                    percent(error.force)
+                )
+            }
             None => String::new(),
         };
         let force = format!("{} N, peak pressure {} kPa{error}", figure(step.force_n), figure(step.peak_pressure_kpa));

@@ -119,7 +119,7 @@ fn every_part_of_the_phantom_needs_a_material() {
     let mut bare = setup(Some((8.0, 5.0, 24.0)), 0.4999);
     bare.phantom_materials.truncate(1);
     let error = run(&bare).unwrap_err();
-    assert_eq!(error.to_string(), "the phantom and its 1 inclusions need 2 materials, 1 given");
+    assert_eq!(error.to_string(), "the phantom, its 1 inclusions and 0 layers need 2 materials, 1 given");
 }
 
 #[test]

@@ -6,7 +6,6 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod answers;
-mod bonded_layers;
 mod estimates;
 mod extreme_presses;
 mod extremes;
@@ -14,6 +13,7 @@ mod faults;
 mod friction;
 mod inclusion;
 mod laws;
+mod layers;
 mod locking;
 mod manufactured;
 mod multigrid;

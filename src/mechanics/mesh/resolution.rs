@@ -68,6 +68,15 @@ impl Resolution {
         }
     }
 
+    /// The next coarser mesh that is nested in this one, of elements `s` times as large where `s` is the least divisor
+    /// of the subdivision above 1. Nothing is nested in a mesh that is not subdivided: it has [`Self::halved`].
+    pub fn coarsened(self) -> Self {
+        match (2..=self.subdivision).find(|&divisor| self.subdivision.is_multiple_of(divisor)) {
+            Some(divisor) => Self { subdivision: self.subdivision / divisor, ..self },
+            None => self.halved(),
+        }
+    }
+
     /// The same mesh with elements of half the size.
     pub fn doubled(self) -> Self {
         Self { subdivision: self.subdivision.saturating_mul(2), ..self }

@@ -17,7 +17,7 @@ pub use assembly::Assembly;
 pub use contact_curve::{ContactPoint, contact_points};
 pub use cost::Cost;
 pub use error::PressError;
-pub use error_estimate::PressureError;
+pub use error_estimate::{PressureError, Rounding};
 pub use run::{PressSettings, PressStage, PressStep, Pressed, press};
 pub use setup::{Load, Pose, SensorBody, Setup};
 

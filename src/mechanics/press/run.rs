@@ -9,7 +9,7 @@ use std::time::Instant;
 /// What a press computes beside the press itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PressSettings {
-    /// A second press on elements of twice the size estimates the error.
+    /// A second press on a coarser mesh estimates the error.
     pub estimate_error: bool,
     /// How linear systems are solved; if not given, as costs less.
     pub method: Option<Method>,

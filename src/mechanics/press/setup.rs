@@ -89,6 +89,23 @@ impl Setup {
         Self { phantom: self.phantom.halved(), ..self.clone() }
     }
 
+    /// The same press on the next coarser mesh, nested in this one where there is such a mesh.
+    pub fn coarsened(&self) -> Self {
+        let phantom = PhantomMesh { resolution: self.phantom.resolution.coarsened(), ..self.phantom.clone() };
+        Self { phantom, ..self.clone() }
+    }
+
+    /// The same press by a rigid sensor whose edge is rounded twice as far; nothing where the sensor has no rounded
+    /// edge or the arc would take more than half of its face.
+    pub fn twice_rounded(&self) -> Option<Self> {
+        match self.sensor {
+            SensorBody::Rigid { edge_radius_mm } if self.rim_mm() > 0.0 && 4.0 * edge_radius_mm <= self.reach_mm() => {
+                Some(Self { sensor: SensorBody::Rigid { edge_radius_mm: 2.0 * edge_radius_mm }, ..self.clone() })
+            }
+            _ => None,
+        }
+    }
+
     /// The same phantom without its inclusions, on the same mesh: each is of the material around it.
     pub fn without_inclusions(&self) -> Self {
         Self { phantom_materials: self.phantom.plain(&self.phantom_materials), ..self.clone() }

@@ -2,7 +2,7 @@
 
 use tirtouch::mechanics::from_scene::press_setup;
 use tirtouch::mechanics::press::error_estimate::difference;
-use tirtouch::mechanics::press::{PressError, PressSettings, Pressed, Setup, press};
+use tirtouch::mechanics::press::{Pressed, Setup};
 use tirtouch::scene::preset;
 
 /// The default resolution divides by 2. Inclusion: 8 mm, 120 kPa, 5 mm deep to its top.
@@ -14,10 +14,6 @@ pub fn setup(inclusion: bool, subdivision: usize) -> Setup {
     }
     setup.phantom.resolution.subdivision = subdivision;
     setup
-}
-
-pub fn run(inclusion: bool, subdivision: usize, estimate_error: bool) -> Result<Pressed, PressError> {
-    press(&setup(inclusion, subdivision), PressSettings { estimate_error, ..PressSettings::default() }, &mut |_| true)
 }
 
 /// Errors of the last step against a finer mesh: of the pressure, rms over 0.8 of the footprint, and of the force.

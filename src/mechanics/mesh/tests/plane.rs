@@ -86,6 +86,22 @@ fn meshes_of_a_ladder_are_nested() {
 }
 
 #[test]
+fn the_next_coarser_mesh_is_nested_whatever_the_subdivision() {
+    let of = |subdivision| Resolution { subdivision, ..Resolution::PLANE };
+    for (subdivision, divisor) in [(3, 3), (9, 3), (4, 2)] {
+        let (fine, coarse) = (of(subdivision), of(subdivision).coarsened());
+        assert_eq!(coarse.subdivision * divisor, subdivision);
+        let lines =
+            |resolution| PhantomMesh { resolution, ..phantom(vec![sphere(8.0, 5.0)]) }.contact_lines().unwrap().0;
+        let lines_of_fine = lines(fine);
+        for line in lines(coarse) {
+            assert!(lines_of_fine.iter().any(|&x| (x - line).abs() < 1e-9), "{subdivision}: {line}");
+        }
+    }
+    assert_eq!(of(1).coarsened(), of(1).halved());
+}
+
+#[test]
 fn several_inclusions_in_full_width() {
     let at = |x: f64, z: f64, semi: [f64; 3]| InclusionShape {
         center_mm: [x, 0.0, z],
