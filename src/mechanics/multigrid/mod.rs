@@ -7,6 +7,9 @@
 mod aggregates;
 mod blocks;
 mod smoother;
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;
 mod transfer;
 
 use super::mesh::Mesh;
