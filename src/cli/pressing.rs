@@ -106,8 +106,9 @@ pub(super) fn setting(setup: &Setup) -> &'static str {
 /// What `--json` says of a press: its last load, and all of them under `steps`.
 pub(super) fn press_json(pressed: &Pressed) -> Value {
     let quality = pressed.assembly.problem.mesh.quality();
+    let estimated = pressed.error_seconds > 0.0;
     let mut object = match pressed.steps.last() {
-        Some(step) => step_json(step),
+        Some(step) => step_json(step, estimated),
         None => json!({}),
     };
     object["setting"] = json!(setting(&pressed.setup));
@@ -119,7 +120,7 @@ pub(super) fn press_json(pressed: &Pressed) -> Value {
     object["error_seconds"] = json!(pressed.error_seconds);
     object["method"] = json!(method_name(pressed.method));
     object["factor_mib"] = json!(pressed.factor_mib);
-    object["steps"] = pressed.steps.iter().map(step_json).collect();
+    object["steps"] = pressed.steps.iter().map(|step| step_json(step, estimated)).collect();
     object
 }
 
@@ -139,12 +140,16 @@ pub(super) fn load_name(step: &PressStep) -> String {
     name
 }
 
-fn step_json(step: &PressStep) -> Value {
+/// What `--json` says of a load; `estimated`: whether errors were to be.
+fn step_json(step: &PressStep, estimated: bool) -> Value {
     let no_rounding =
         json!({"undefined": "no rigid sensor with a rounded edge slides, or its arc takes half of the face"});
     let rounding = |share: Option<f64>| share.map_or(no_rounding.clone(), |share| json!(share));
-    let undefined =
-        json!({"undefined": "press.estimate_error is off, nothing is borne, or a coarser mesh stops before"});
+    let undefined = json!({"undefined": match (estimated, step.force_n) {
+        (false, _) => "press.estimate_error is off",
+        (true, 0.0) => "nothing is borne, of which an error were a share",
+        (true, _) => "the coarser mesh that estimates it does not reach this load",
+    }});
     json!({
         "depth_mm": step.depth_mm,
         "slide_mm": step.slide_mm,

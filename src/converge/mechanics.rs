@@ -4,7 +4,7 @@ use super::{ErrorEstimate, Rung};
 use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::path::PathError;
-use crate::mechanics::press::error_estimate::difference;
+use crate::mechanics::press::error_estimate::{NOTHING, difference};
 use crate::mechanics::press::{ContactPoint, Load, PressError, PressSettings, PressStage, Setup, press};
 use serde::{Deserialize, Serialize};
 
@@ -129,7 +129,9 @@ pub fn run(setup: &Setup, observe: &mut dyn FnMut(PressStage) -> bool) -> Result
         Load::Depths(asked) | Load::Forces(asked) => asked.clone(),
         Load::Path(poses) => (1..=poses.len()).map(|number| number as f64).collect(),
     };
-    let reached = asked.iter().zip(&pressed.steps);
+    // Of a load that bears nothing, as after a lift, no share is known.
+    let largest = pressed.steps.iter().map(|step| step.force_n.abs()).fold(0.0, f64::max);
+    let reached = asked.iter().zip(&pressed.steps).filter(|(_, step)| step.force_n.abs() > NOTHING * largest);
     Ok(Found {
         reached: reached
             .map(|(&asked, step)| Reached { asked, force_n: step.force_n, points: step.points.clone() })

@@ -57,7 +57,7 @@ impl Shares {
 }
 
 /// Force below which a press bears nothing, as a share of the largest.
-const NOTHING: f64 = 1e-6;
+pub const NOTHING: f64 = 1e-6;
 
 /// Presses again at the depths that were reached and books the errors.
 pub(super) fn estimate(

@@ -108,6 +108,7 @@ pub(super) fn press_once(
     let mut solver = Solver::new(&assembly.problem, cost.method);
     let mut steps = Vec::new();
     let outcome = march(&mut solver, setup, observe, &mut |reached| steps.push(step(setup, &assembly, reached)));
+    without_rounding(&mut steps);
     let (iterations, cycles, factor_mib) =
         (solver.iterations, solver.cycles, solver.factor_bytes() as f64 / f64::from(1 << 20));
     drop(solver);
@@ -129,6 +130,19 @@ pub(super) fn press_once(
     match outcome {
         Ok(()) => Ok(pressed),
         Err(cause) => Err(PressError::Stopped { cause, reached: Box::new(pressed) }),
+    }
+}
+
+/// Balance, as a share of what is in balance.
+const BALANCE: f64 = 1e-9;
+
+/// What a lifted phantom still seems to bear is the rounding of what it bore.
+fn without_rounding(steps: &mut [PressStep]) {
+    let largest = |of: fn(&PressStep) -> f64| steps.iter().map(|step| of(step).abs()).fold(0.0, f64::max);
+    let (force, peak) = (largest(|step| step.force_n), largest(|step| step.peak_pressure_kpa));
+    for step in steps {
+        step.force_n = if step.force_n.abs() > BALANCE * force { step.force_n } else { 0.0 };
+        step.peak_pressure_kpa = if step.peak_pressure_kpa > BALANCE * peak { step.peak_pressure_kpa } else { 0.0 };
     }
 }
 

@@ -9,8 +9,11 @@ use crate::scene::{DepthTo, Inclusion, InclusionBody, Phantom, PhantomBody};
 
 /// Inclusions of a phantom; each asks for a mesh of its own.
 const MAX_INCLUSIONS: usize = 32;
-/// Layers of a phantom.
+/// Layers of a phantom, the least thickness of one and of what is left below them, mm, and the room that an inclusion
+/// needs to a layer's face, in units of half its height: elements between would be too flat.
 const MAX_LAYERS: usize = 16;
+const LEAST_LAYER_MM: f64 = 1e-3;
+const LEAST_GAP: f64 = 0.005;
 /// Room for rounding where an inclusion touches a face or another inclusion, mm.
 const TOUCHING_MM: f64 = 1e-9;
 /// Directions in which an ellipse's distance from the axis is looked at; it is then known to 1e-5 of its size.
@@ -43,9 +46,9 @@ fn layers(phantom: &Phantom) -> Result<(), Invalid> {
     let mut depth = 0.0;
     all(phantom.layer.iter().enumerate().map(|(index, layer)| {
         let key = format!("phantom.layer[{index}]");
-        let thickness = number(&format!("{key}.thickness_mm"), layer.thickness_mm, above(0.0, height, false), 2.0);
+        let thickness = number(&format!("{key}.thickness_mm"), layer.thickness_mm, LEAST_LAYER_MM..height, 2.0);
         depth += layer.thickness_mm;
-        let room = if thickness.is_ok() && depth >= height {
+        let room = if thickness.is_ok() && depth > height - LEAST_LAYER_MM {
             let message = format!(
                 "reaches {depth} mm deep, and the phantom of {height} mm has no room for its own material below; make \
                  the layers thinner, or give the lowest as phantom.material"
@@ -61,12 +64,13 @@ fn layers(phantom: &Phantom) -> Result<(), Invalid> {
 /// Whether an inclusion from one depth to another, mm, lies in one layer.
 fn within_layer(key: &str, phantom: &Phantom, [top, bottom]: [f64; 2]) -> Result<(), Invalid> {
     let mut face = 0.0;
+    let least = LEAST_GAP * 0.5 * (bottom - top);
     for (index, layer) in phantom.layer.iter().enumerate() {
         face += layer.thickness_mm;
-        if top < face - TOUCHING_MM && face + TOUCHING_MM < bottom {
+        if top < face + least - TOUCHING_MM && face - least + TOUCHING_MM < bottom {
             let message = format!(
-                "the inclusion reaches from {top} to {bottom} mm deep and crosses the lower face of \
-                 phantom.layer[{index}] at {face} mm; an inclusion lies in one layer"
+                "the inclusion reaches from {top} to {bottom} mm deep, across the lower face of phantom.layer[{index}] \
+                 at {face} mm or nearer to it than {least} mm; an inclusion lies in one layer"
             );
             return Err(Invalid::new(format!("{key}.depth_mm"), message));
         }

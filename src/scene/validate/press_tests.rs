@@ -69,7 +69,7 @@ fn layers_fit_the_phantom_and_no_inclusion_crosses_them() {
     let two =
         "thickness_mm = 20\nmaterial = { law = \"linear\", youngs_kpa = 5 }\n[[phantom.layer]]\nthickness_mm = 5 #!";
     let wrong = [
-        layer_rule("= 2", "= 0 #!", "phantom.layer[0].thickness_mm", "positive"),
+        layer_rule("= 2", "= 0 #!", "phantom.layer[0].thickness_mm", "at least 0.001"),
         layer_rule("= 2", "= 25 #!", "phantom.layer[0].thickness_mm", "below 25"),
         layer_rule("thickness_mm = 2", two, "phantom.layer[1].thickness_mm", "no room for its own material"),
         layer_rule("= 50 }", "= 0 } #!", "phantom.layer[0].material.youngs_kpa", "positive"),
@@ -78,10 +78,10 @@ fn layers_fit_the_phantom_and_no_inclusion_crosses_them() {
     let mut scene = crate::scene::preset("phantom-size-8mm").unwrap().scene;
     let phantom = scene.phantom.as_mut().unwrap();
     let material = phantom.material.clone();
-    phantom.layer = [5.0, 8.0].map(|thickness_mm| PhantomLayer { thickness_mm, material: material.clone() }).to_vec();
+    phantom.layer = [4.9, 8.2].map(|thickness_mm| PhantomLayer { thickness_mm, material: material.clone() }).to_vec();
     assert!(validate(&scene).is_ok());
     // The sphere of 8 mm lies from 5 to 13 mm deep.
-    for thickness in [[5.1, 8.0], [5.0, 7.9], [9.0, 9.0]] {
+    for thickness in [[5.1, 8.0], [4.9, 8.0], [9.0, 9.0], [4.985, 8.2], [4.9, 8.11]] {
         let phantom = scene.phantom.as_mut().unwrap();
         phantom.layer.iter_mut().zip(thickness).for_each(|(layer, mm)| layer.thickness_mm = mm);
         let error = validate(&scene).unwrap_err();
