@@ -71,18 +71,6 @@ fn a_slide_without_friction_leads_where_a_press_beside_the_middle_does() {
 }
 
 #[test]
-fn slides_to_either_side_are_mirror_images() {
-    let mut setup = soft_press(linear, vec![sphere([0.0, 0.0, 9.0], 4.0)], [false, true]);
-    setup.sensor = SensorBody::Rigid { edge_radius_mm: 1.5 };
-    setup.grip = Grip::Frictionless;
-    let pressed = run(&Setup { load: Load::Path(vec![pose(1.0, 3.0), pose(1.0, -3.0)]), ..setup });
-    let [right, left] = &pressed.steps[..] else { panic!("two steps") };
-    assert!((left.force_n / right.force_n - 1.0).abs() < 1e-6);
-    let [moment, mirrored] = [right, left].map(moment);
-    assert!(moment > 0.01 * right.force_n && (mirrored / moment + 1.0).abs() < 1e-4, "{moment} {mirrored}");
-}
-
-#[test]
 fn a_long_slide_rubs_at_the_limit_of_friction_everywhere() {
     let friction = 0.1;
     let setup = soft_press(linear, Vec::new(), [false, true]);
