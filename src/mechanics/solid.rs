@@ -67,67 +67,90 @@ pub fn element_system(
     history: Option<(&[History], f64)>,
     tangent_bulk_kpa: Option<f64>,
 ) -> Option<ElementSystem> {
-    let dim = kinematics.dim();
-    let tangent = tangent_bulk_kpa.is_some();
-    let (unknowns, pressures) = (nodes.len() * dim, pressure.len().min(dim + 1));
-    let frame = pressure_frame(nodes);
-    let small = material.law.is_small_strain();
-    let compliance = 1.0 / material.bulk_kpa();
-    let mut force = vec![0.0; unknowns];
-    let mut stiffness = Stiffness::new(dim, if tangent { nodes.len() } else { 0 });
-    let mut slope = vec![0.0; pressures * unknowns];
-    let mut mass = [[0.0; MAX_PRESSURES]; MAX_PRESSURES];
-    let mut balance = [0.0; MAX_PRESSURES];
-    let mut min_jacobian = f64::INFINITY;
-    for (q, at) in quadrature(dim).iter().enumerate() {
-        let point = kinematics.point(nodes, at)?;
-        let mut f = point.displacement_gradient(dim, displacement);
-        let trace = f[0][0] + f[1][1] + f[2][2];
-        (0..3).for_each(|i| f[i][i] += 1.0);
-        let functions = pressure_functions(dim, &frame, point.position);
-        let p: f64 = (0..pressures).map(|k| functions[k] * pressure[k]).sum();
-        let (change, direction) = if small { (trace, IDENTITY) } else { (determinant(&f) - 1.0, cofactor(&f)) };
-        if !small && change <= -1.0 {
-            return None;
-        }
-        min_jacobian = min_jacobian.min(1.0 + change);
-        let mut response = material.isochoric(&f, history.and_then(|(list, dt)| list.get(q).map(|h| (h, dt))))?;
-        for k in 0..9 {
-            response.stress[k] += p * direction[k / 3][k % 3];
-        }
-        let volume = point.volume;
-        let mut divergence = [0.0; MAX_NODES * 3];
-        if tangent && !small {
-            add_cofactor_derivative(&f, p, &mut response.tangent);
-        }
-        let sums = Sums { force: &mut force, divergence: &mut divergence[..unknowns] };
-        stiffness.add(kinematics, &point, &response, &flat(&direction), sums);
-        for k in 0..pressures {
-            balance[k] += volume * functions[k] * (change - compliance * p);
-            for l in 0..pressures {
-                mass[k][l] += volume * functions[k] * functions[l];
+    let asked = Asked { kinematics, nodes, displacement, pressure, material, history, tangent_bulk_kpa };
+    pulp::Arch::new().dispatch(asked)
+}
+
+/// What an element is evaluated from.
+struct Asked<'a> {
+    kinematics: Kinematics,
+    nodes: &'a [[f64; 3]],
+    displacement: &'a [[f64; 3]],
+    pressure: &'a [f64],
+    material: &'a Material,
+    history: Option<(&'a [History], f64)>,
+    tangent_bulk_kpa: Option<f64>,
+}
+
+/// In vectors as wide as the CPU has; what is added in which order stays as it is written.
+impl pulp::NullaryFnOnce for Asked<'_> {
+    type Output = Option<ElementSystem>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { kinematics, nodes, displacement, pressure, material, history, tangent_bulk_kpa } = self;
+        let dim = kinematics.dim();
+        let tangent = tangent_bulk_kpa.is_some();
+        let (unknowns, pressures) = (nodes.len() * dim, pressure.len().min(dim + 1));
+        let frame = pressure_frame(nodes);
+        let small = material.law.is_small_strain();
+        let compliance = 1.0 / material.bulk_kpa();
+        let mut force = vec![0.0; unknowns];
+        let mut stiffness = Stiffness::new(dim, if tangent { nodes.len() } else { 0 });
+        let mut slope = vec![0.0; pressures * unknowns];
+        let mut mass = [[0.0; MAX_PRESSURES]; MAX_PRESSURES];
+        let mut balance = [0.0; MAX_PRESSURES];
+        let mut min_jacobian = f64::INFINITY;
+        for (q, at) in quadrature(dim).iter().enumerate() {
+            let point = kinematics.point(nodes, at)?;
+            let mut f = point.displacement_gradient(dim, displacement);
+            let trace = f[0][0] + f[1][1] + f[2][2];
+            (0..3).for_each(|i| f[i][i] += 1.0);
+            let functions = pressure_functions(dim, &frame, point.position);
+            let p: f64 = (0..pressures).map(|k| functions[k] * pressure[k]).sum();
+            let (change, direction) = if small { (trace, IDENTITY) } else { (determinant(&f) - 1.0, cofactor(&f)) };
+            if !small && change <= -1.0 {
+                return None;
             }
-            for (row, d) in slope[k * unknowns..(k + 1) * unknowns].iter_mut().zip(&divergence) {
-                *row += functions[k] * d;
+            min_jacobian = min_jacobian.min(1.0 + change);
+            let mut response = material.isochoric(&f, history.and_then(|(list, dt)| list.get(q).map(|h| (h, dt))))?;
+            for k in 0..9 {
+                response.stress[k] += p * direction[k / 3][k % 3];
+            }
+            let volume = point.volume;
+            let mut divergence = [0.0; MAX_NODES * 3];
+            if tangent && !small {
+                add_cofactor_derivative(&f, p, &mut response.tangent);
+            }
+            let sums = Sums { force: &mut force, divergence: &mut divergence[..unknowns] };
+            stiffness.add(kinematics, &point, &response, &flat(&direction), sums);
+            for k in 0..pressures {
+                balance[k] += volume * functions[k] * (change - compliance * p);
+                for l in 0..pressures {
+                    mass[k][l] += volume * functions[k] * functions[l];
+                }
+                for (row, d) in slope[k * unknowns..(k + 1) * unknowns].iter_mut().zip(&divergence) {
+                    *row += functions[k] * d;
+                }
             }
         }
+        let volume_defect = balance[..pressures].iter().fold(0.0, |m: f64, b| m.max((b / mass[0][0]).abs()));
+        let mut system = ElementSystem {
+            condensed: force.clone(),
+            force,
+            stiffness: stiffness.spell_out(),
+            pressure_defect: [0.0; MAX_PRESSURES],
+            pressure_slope: slope,
+            mass,
+            volume_defect,
+            min_jacobian,
+        };
+        if let Some(largest) = tangent_bulk_kpa {
+            let bulk = material.bulk_kpa().min(f64::MAX).recip() + softening(material, largest);
+            system.condense(unknowns, pressures, &mass, &balance, 1.0 / bulk)?;
+        }
+        Some(system)
     }
-    let volume_defect = balance[..pressures].iter().fold(0.0, |m: f64, b| m.max((b / mass[0][0]).abs()));
-    let mut system = ElementSystem {
-        condensed: force.clone(),
-        force,
-        stiffness: stiffness.spell_out(),
-        pressure_defect: [0.0; MAX_PRESSURES],
-        pressure_slope: slope,
-        mass,
-        volume_defect,
-        min_jacobian,
-    };
-    if let Some(largest) = tangent_bulk_kpa {
-        let bulk = material.bulk_kpa().min(f64::MAX).recip() + softening(material, largest);
-        system.condense(unknowns, pressures, &mass, &balance, 1.0 / bulk)?;
-    }
-    Some(system)
 }
 
 /// The memory of an element after a step of `dt_s` seconds.
@@ -164,6 +187,7 @@ pub fn tangent_bulk_kpa(materials: &[Material]) -> f64 {
 
 impl ElementSystem {
     /// K += kappa B^T M^-1 B, and the defect of the pressure into the forces.
+    #[inline(always)]
     fn condense(
         &mut self,
         unknowns: usize,
@@ -257,6 +281,7 @@ impl Stiffness {
     }
 
     /// Adds a point's stiffness, its stress to the forces and the direction of its volume to the divergence.
+    #[inline(always)]
     fn add(
         &mut self,
         kinematics: Kinematics,
@@ -279,6 +304,7 @@ impl Stiffness {
     }
 }
 
+#[inline(always)]
 fn add_point<const D: usize, const N: usize>(
     kinematics: Kinematics,
     point: &MaterialPoint,
@@ -332,6 +358,7 @@ impl<const N: usize> Blocks<N> {
 }
 
 impl<const D: usize, const N: usize> Operator<D, N> {
+    #[inline(always)]
     fn new(kinematics: Kinematics, point: &MaterialPoint, nodes: usize) -> Self {
         let hoop = kinematics == Kinematics::Axisymmetric;
         let mut weight = [[0.0; N]; 3];
@@ -344,6 +371,7 @@ impl<const D: usize, const N: usize> Operator<D, N> {
     }
 
     /// forces += volume G^T stress.
+    #[inline(always)]
     fn scatter(&self, stress: &[f64; 9], volume: f64, force: &mut [f64]) {
         for c in 0..D {
             let mut part = [0.0; 3];
@@ -356,6 +384,7 @@ impl<const D: usize, const N: usize> Operator<D, N> {
     }
 
     /// blocks += volume G^T tangent G.
+    #[inline(always)]
     fn add_stiffness(&self, tangent: &[[f64; 9]; 9], volume: f64, blocks: &mut Blocks<N>) {
         let [x, y, z] = &self.weight;
         for ([c, d], block) in PAIRS.iter().zip(&mut blocks.0).take(pairs(D)) {

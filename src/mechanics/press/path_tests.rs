@@ -43,21 +43,22 @@ fn a_lift_goes_back_the_way_it_came() {
 
 /// A wide slab in plane strain with a bar at `x`, under a rigid face without friction.
 fn slab(x: f64) -> Setup {
-    let mut setup = soft_press(linear, vec![sphere([x, 0.0, 9.0], 4.0)], [false; 2]);
+    let mut setup = soft_press(linear, vec![sphere([x, 0.0, 6.0], 4.0)], [false; 2]);
     setup.kinematics = Kinematics::PlaneStrain;
-    setup.phantom.shape = PhantomShape::Cylinder { radius_mm: 70.0, height_mm: 25.0 };
+    setup.phantom.shape = PhantomShape::Cylinder { radius_mm: 50.0, height_mm: 18.0 };
     // As fine where the face's edge will be as where it is.
-    setup.phantom.resolution = Resolution { edge_mm: 0.6, contact_mm: 0.6, growth: 0.2, ..Resolution::PLANE };
+    let fine = Resolution { edge_mm: 0.6, contact_mm: 0.6, growth: 0.2, ..Resolution::PLANE };
+    setup.phantom.resolution = Resolution { subdivision: 1, ..fine };
     Setup { sensor: SensorBody::Rigid { edge_radius_mm: 1.5 }, grip: Grip::Frictionless, ..setup }
 }
 
 #[test]
 fn a_slide_without_friction_leads_where_a_press_beside_the_middle_does() {
-    let slid = run(&Setup { load: Load::Path(vec![pose(1.0, 0.0), pose(1.0, 4.0), pose(1.0, 0.0)]), ..slab(3.0) });
-    let placed = run(&slab(7.0));
+    let slid = run(&Setup { load: Load::Path(vec![pose(1.0, 0.0), pose(1.0, 2.0), pose(1.0, 0.0)]), ..slab(3.0) });
+    let placed = run(&slab(5.0));
     let [before, after, back] = &slid.steps[..] else { panic!("three steps") };
     let expected = &placed.steps[0];
-    assert_eq!(after.slide_mm, [4.0, 0.0]);
+    assert_eq!(after.slide_mm, [2.0, 0.0]);
     let [first, moved, again, there] = [before, after, back, expected].map(moment);
     println!("forces {} {} {}, moments {first} {moved} {there}", before.force_n, after.force_n, expected.force_n);
     assert!((after.force_n / expected.force_n - 1.0).abs() < 2e-3, "{} {}", after.force_n, expected.force_n);
@@ -72,12 +73,12 @@ fn a_slide_without_friction_leads_where_a_press_beside_the_middle_does() {
 
 #[test]
 fn a_long_slide_rubs_at_the_limit_of_friction_everywhere() {
-    let friction = 0.1;
+    let friction = 0.05;
     let setup = soft_press(linear, Vec::new(), [false, true]);
     let setup = Setup {
         sensor: SensorBody::Rigid { edge_radius_mm: 1.5 },
         grip: Grip::Coulomb(friction),
-        load: Load::Path(vec![pose(0.5, 0.0), pose(0.5, 2.0)]),
+        load: Load::Path(vec![pose(0.3, 0.0), pose(0.3, 0.8)]),
         ..setup
     };
     let pressed = run(&setup);

@@ -37,7 +37,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(ProptestConfig::with_cases(8))]
 
     #[test]
     fn in_a_block(inclusions in prop::collection::vec(inclusion(), 1..3), round in any::<bool>()) {
