@@ -60,7 +60,7 @@ pub fn failed(found: &Comparison) -> String {
 fn against_f64(case: &Case, twin: &Case, method: Method, level: f64) -> Option<Comparison> {
     let adapter = require_gpu()?;
     let size = [48, 36];
-    let work = Work { spp: 2, photons: 1 << 13 };
+    let work = Work { spp: 1, photons: 1 << 12 };
     let (model, reference) = (case.model(size), twin.model(size));
     let a = film(gpu(adapter, &model), &model, method, 1, work);
     let b = film(f64_twin(&reference), &reference, method, 2, work);

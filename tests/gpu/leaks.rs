@@ -1,6 +1,6 @@
 //! No ray gets stuck, leaves its layer or loses its numbers; lost rays are counted.
 //!
-//! `TIRTOUCH_LEAK_SEGMENTS=1e8` asks for that many segments on every preset (some minutes); 2e6 without it.
+//! `TIRTOUCH_LEAK_SEGMENTS=1e8` asks for that many segments on every preset (some minutes); 1e6 without it.
 
 use crate::scenes::{presets, variants};
 use crate::watch::{Seen, assert_sound};
@@ -12,7 +12,7 @@ const LOST_TOLERANCE: f64 = 1e-6;
 #[test]
 fn no_ray_leaves_its_layer_or_gets_stuck() {
     let asked = std::env::var(SEGMENTS).ok().map(|text| text.parse::<f64>().expect("a number of segments"));
-    let segments = asked.unwrap_or(2e6) as u64;
+    let segments = asked.unwrap_or(1e6) as u64;
     for case in presets().iter().chain(&variants()) {
         let start = std::time::Instant::now();
         let seen = Seen::of_scene(&case.model([4, 3]).cast(), segments);

@@ -112,7 +112,7 @@ fn a_dragged_block_bears_friction_times_its_weight_against_the_motion() {
 /// |x| < c = a sqrt(1 - T/(mu P)) sticks; the shear is mu p less mu (c/a) p0 sqrt(1 - x^2/c^2) there.
 #[test]
 fn a_cylinder_pushed_sideways_sticks_in_the_middle_as_cattaneo_and_mindlin_say() {
-    let (radius, far, friction, size) = (400.0, 60.0, 0.5, 0.05);
+    let (radius, far, friction, size) = (400.0, 60.0, 0.5, 0.06);
     for share in [0.3, 0.6] {
         let mesh = PhantomMesh {
             shape: PhantomShape::Cylinder { radius_mm: far, height_mm: far },
@@ -152,7 +152,7 @@ fn a_cylinder_pushed_sideways_sticks_in_the_middle_as_cattaneo_and_mindlin_say()
             sums[1] += row.area;
         }
         let rms = (sums[0] / sums[1]).sqrt() / (friction * p0);
-        // Two elements of 20 in the kinks at c; a base at 60 a.
+        // Two elements of 17 in the kinks at c; a base at 60 a.
         assert!(rms < 0.02, "{rms}");
     }
 }
@@ -169,7 +169,7 @@ fn a_cylinder_pushed_sideways_sticks_in_the_middle_as_cattaneo_and_mindlin_say()
 fn a_flat_punch_pressed_down_sticks_in_its_middle() {
     let (far, size, poisson): (f64, f64, f64) = (200.0, 0.01, 0.49);
     let beta = (1.0 - 2.0 * poisson) / (2.0 * (1.0 - poisson));
-    for c in [0.3f64, 0.6, 0.9] {
+    for c in [0.3f64, 0.9] {
         // K'(c) by the arithmetic-geometric mean.
         let (mut a, mut b) = (1.0, c);
         for _ in 0..8 {
@@ -217,7 +217,7 @@ fn friction_lies_between_sliding_and_the_bond() {
 fn a_ball_rubs_at_any_friction_and_nowhere_more_than_coulomb_allows() {
     let radius = 2.0;
     let mut sliding = 0.0;
-    for friction in [0.0, 0.1, 0.2, 0.5, 1.0] {
+    for friction in [0.0, 0.2, 0.5] {
         let mesh = PhantomMesh {
             shape: PhantomShape::Cylinder { radius_mm: 8.0 * radius, height_mm: 6.0 * radius },
             inclusions: Vec::new(),

@@ -15,7 +15,7 @@ fn assembly(poisson: f64, contrast: f64, interface: Interface) -> Assembly {
     phantom.material = elastic(5.0);
     phantom.inclusion[0].material = elastic(5.0 * contrast);
     let press = loaded.scene.press.as_mut().unwrap();
-    (press.dimensions, press.resolution, press.interface) = (Dimensions::Three, 0.3, interface);
+    (press.dimensions, press.resolution, press.interface) = (Dimensions::Three, 0.25, interface);
     press.edge_radius_mm = Some(0.0);
     let mut setup = press_setup(&loaded).unwrap();
     setup.phantom.resolution.inclusion_divisions = 1.0;

@@ -112,6 +112,7 @@ fn worst(replaced: &[Vec<f64>], unfolding: &Model<f64>) -> f64 {
 fn unfolding_finds_the_light_of_the_photons_that_it_replaces() {
     let plain = model(&crate::scene::preset("contact-disc").unwrap(), |map| map);
     let mut by_photons = Vec::new();
+    let half = |batches: &[Vec<f64>]| batches[..BATCHES as usize / 2].to_vec();
     for model in [plain, awkward(), thin()] {
         assert!(model.unfolded >= 4, "{}", model.unfolded);
         by_photons = replaced(&model);
@@ -119,7 +120,7 @@ fn unfolding_finds_the_light_of_the_photons_that_it_replaces() {
         assert!(worst(&by_photons, &model) < 2.0, "{}", worst(&by_photons, &model));
         let mut low = model.clone();
         low.leds.iter_mut().for_each(|led| led.height -= 0.1);
-        assert!(worst(&by_photons, &low) > 2.0, "LEDs a tenth of a millimetre lower are not noticed");
+        assert!(worst(&half(&by_photons), &low) > 2.0, "LEDs a tenth of a millimetre lower are not noticed");
     }
     // One reflection that photons leave out and unfolding does not find; mirrors below tissue that reflect as if all
     // were contact.
