@@ -1,13 +1,13 @@
 //! How often does a press of a phantom that nobody chose come to its end, and how long does it take?
 //!
 //!     cargo run --release --example any_phantom -- [--phantoms 500] [--solid] [--resolution F] [--edge-mm R] [--seed 1]
-//!                                                  [--all] [--mesh]
+//!                                                  [--all] [--mesh] [--friction F]
 //!
 //! Draws phantoms about `phantom-size-8mm`: a sphere of 4 to 14 mm and 20 to 150 kPa (log-uniform), its top 2 to 11 mm
 //! deep as far as it fits, in 3 to 10 kPa, pressed from 0.5 mm to 0.5 to 5 mm in three loads, each with and without its
 //! inclusion. With `--solid` the sphere lies up to 8 mm off the axis, at any angle about it, and the phantom is tilted
 //! by up to 2 degrees, so that the press is one in three dimensions without a symmetry. With `--mesh` they are meshed
-//! and not pressed. Prints a row for each failure, then counts and times.
+//! and not pressed. With `--friction` faces slide instead of being tied, 0 without friction. Prints a row for each failure, then counts and times.
 
 use anyhow::{Context as _, Result};
 use clap::Parser;
@@ -15,7 +15,7 @@ use std::time::Instant;
 use tirtouch::camera::noise::PixelRandom;
 use tirtouch::mechanics::from_scene::press_setup;
 use tirtouch::mechanics::press::{PressError, PressSettings, Pressed, press};
-use tirtouch::scene::{Elastic, InclusionBody, LoadedScene, preset};
+use tirtouch::scene::{Elastic, InclusionBody, Interface, LoadedScene, preset};
 
 #[derive(Parser)]
 struct Arguments {
@@ -37,6 +37,9 @@ struct Arguments {
     /// Fineness of the meshes, as `press.resolution`.
     #[arg(long, default_value_t = 1.0)]
     resolution: f64,
+    /// Friction of faces that slide; tied if not given.
+    #[arg(long)]
+    friction: Option<f64>,
     /// Meshes only.
     #[arg(long)]
     mesh: bool,
@@ -91,6 +94,11 @@ impl Drawn {
         }
         let press = loaded.scene.press.as_mut().context("a press")?;
         press.depths_mm = Some(self.depths_mm.clone());
+        match arguments.friction {
+            None => {}
+            Some(0.0) => press.interface = Interface::Frictionless,
+            Some(friction) => press.interface = Interface::Coulomb { friction },
+        }
         if arguments.solid {
             press.tilt_deg = self.tilt_deg;
         }

@@ -51,7 +51,7 @@ impl Contact {
             }
             Counterpart::Rigid { .. } => Vec::new(),
         };
-        let face = Face { dim: self.kinematics.dim(), facets: &faces, outward: self.outward() };
+        let face = Face::new(self.kinematics.dim(), &faces, self.outward());
         let mut gaps: Vec<NodeGap> = vec![NodeGap::default(); self.nodes.len()];
         let mut moved: Vec<HashMap<u32, Mover>> = vec![HashMap::new(); self.nodes.len()];
         let mut stiffness: HashMap<(u32, u32), [[[f64; 3]; 3]; 2]> = HashMap::new();

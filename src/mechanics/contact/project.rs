@@ -1,6 +1,11 @@
 //! The point of a deformable counterpart's face that a point of the touched face meets.
 
 use crate::mechanics::element::Shape;
+use glam::Vec3A;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use obvhs::{BvhBuildParams, ray::Ray};
+use std::time::Duration;
 
 /// A point of the counterpart's face.
 #[derive(Debug, Clone)]
@@ -40,30 +45,63 @@ const STEPS: usize = 20;
 /// Facets in their present positions: 3 or 9 nodes each, all with the same side outward.
 pub struct Face<'a> {
     /// 2 or 3, the dimensions of space.
-    pub dim: usize,
+    dim: usize,
     /// Positions of the nodes of each facet.
-    pub facets: &'a [Vec<[f64; 3]>],
+    facets: &'a [Vec<[f64; 3]>],
     /// A direction out of the counterpart, to orient the normals.
-    pub outward: [f64; 3],
+    outward: [f64; 3],
+    /// Over the boxes of the facets' spheres.
+    tree: Bvh2,
+    /// Half the length of a line that passes them all from anywhere near, mm.
+    reach: f64,
 }
 
-impl Face<'_> {
+/// Room of a facet's box for single precision, as a share of its size.
+const ROOM: f64 = 1e-3;
+
+impl<'a> Face<'a> {
+    /// Of facets in a space of `dim` dimensions.
+    pub fn new(dim: usize, facets: &'a [Vec<[f64; 3]>], outward: [f64; 3]) -> Self {
+        let corner = |x: [f64; 3]| Vec3A::from_array(x.map(|c| c as f32));
+        let of = |nodes: &Vec<[f64; 3]>| {
+            let (middle, radius) = sphere(nodes);
+            let [low, high] = [-1.0, 1.0].map(|side| corner(middle.map(|c| c + side * radius * (1.0 + ROOM))));
+            Aabb::new(low, high)
+        };
+        let boxes: Vec<Aabb> = facets.iter().map(of).collect();
+        let tree = build_bvh2(&boxes, BvhBuildParams::fastest_build(), &mut Duration::default());
+        let all = boxes.iter().fold(Aabb::empty(), |all, one| all.union(one));
+        let reach = if facets.is_empty() { 0.0 } else { f64::from(all.diagonal().length()) };
+        Self { dim, facets, outward, tree, reach }
+    }
+
+    /// Facets whose sphere the line through `x` along `direction` passes, ascending.
+    fn along(&self, x: [f64; 3], direction: [f64; 3]) -> Vec<usize> {
+        if self.facets.is_empty() {
+            return Vec::new();
+        }
+        // From beyond them all: as far as they are apart, and as far as `x` is from one of them.
+        let far = self.reach + distance(x, self.facets[0][0]);
+        let from = [0, 1, 2].map(|i| (x[i] - far * direction[i]) as f32);
+        let direction_f32 = Vec3A::from_array(direction.map(|c| c as f32));
+        let ray = Ray::new(Vec3A::from_array(from), direction_f32, 0.0, 2.0 * far as f32);
+        let mut found = Vec::new();
+        self.tree.ray_traverse_anyhit(ray, |_, place| {
+            let facet = self.tree.primitive_indices[place] as usize;
+            let (middle, radius) = sphere(&self.facets[facet]);
+            if lateral(direction, x, middle) <= radius {
+                found.push(facet);
+            }
+        });
+        found.sort_unstable();
+        found
+    }
+
     /// The foot of a point; `None` where no facet lies below it.
     pub fn foot(&self, x: [f64; 3]) -> Option<Foot> {
-        let mut best: Option<Foot> = None;
-        for (k, nodes) in self.facets.iter().enumerate() {
-            let middle = nodes[nodes.len() / 2];
-            let size = distance(nodes[0], nodes[nodes.len() - 1]);
-            if lateral(self.outward, x, middle) > size {
-                continue;
-            }
-            if let Some(foot) = self.project(k, nodes, x)
-                && best.as_ref().is_none_or(|b| foot.gap.abs() < b.gap.abs())
-            {
-                best = Some(foot);
-            }
-        }
-        best
+        let feet =
+            self.along(x, self.outward).into_iter().filter_map(|facet| self.project(facet, &self.facets[facet], x));
+        nearest(feet, |foot| foot.gap)
     }
 
     fn project(&self, facet: usize, nodes: &[[f64; 3]], x: [f64; 3]) -> Option<Foot> {
@@ -105,19 +143,8 @@ impl Face<'_> {
 
     /// Where the line through `x` along `normal` (out of the counterpart) meets the face; `None` where it does not.
     pub fn hit(&self, x: [f64; 3], normal: [f64; 3], across: [[f64; 3]; 2]) -> Option<Hit> {
-        let mut best: Option<Hit> = None;
-        for (facet, nodes) in self.facets.iter().enumerate() {
-            let size = distance(nodes[0], nodes[nodes.len() - 1]);
-            if lateral(normal, x, nodes[nodes.len() / 2]) > size {
-                continue;
-            }
-            if let Some(hit) = self.cross(facet, nodes, x, normal, across)
-                && best.as_ref().is_none_or(|b| hit.gap.abs() < b.gap.abs())
-            {
-                best = Some(hit);
-            }
-        }
-        best
+        let facets = self.along(x, normal).into_iter();
+        nearest(facets.filter_map(|facet| self.cross(facet, &self.facets[facet], x, normal, across)), |hit| hit.gap)
     }
 
     fn cross(
@@ -184,6 +211,16 @@ impl Face<'_> {
     }
 }
 
+/// The first of those with the least distance.
+fn nearest<T>(found: impl Iterator<Item = T>, gap: impl Fn(&T) -> f64) -> Option<T> {
+    found.reduce(|best, next| if gap(&next).abs() < gap(&best).abs() { next } else { best })
+}
+
+/// A facet's middle, and its largest extent from there.
+fn sphere(nodes: &[[f64; 3]]) -> ([f64; 3], f64) {
+    (nodes[nodes.len() / 2], distance(nodes[0], nodes[nodes.len() - 1]))
+}
+
 /// How local coordinates move with points above: the inverse of the components of a facet's tangents along `across`,
 /// times these. Along the facet's own tangents these are their duals. `None` where the facet is edge-on.
 pub fn slides(axes: usize, across: [[f64; 3]; 2], tangents: [[f64; 3]; 2]) -> Option<[[f64; 3]; 2]> {
@@ -221,4 +258,37 @@ pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// Vector product.
 pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bent face of 12 x 9 facets of uneven sizes, in three dimensions.
+    fn bent() -> Vec<Vec<[f64; 3]>> {
+        let at = |i: f64, j: f64| [0.1 * i * i - 5.0, 1.3 * j - 6.0, 0.4 * i.sin() + 0.02 * j * j];
+        let facet = |k: usize| {
+            let (i, j) = ((k % 12) as f64, (k / 12) as f64);
+            (0..9).map(|a| at(i + 0.5 * (a % 3) as f64, j + 0.5 * (a / 3) as f64)).collect()
+        };
+        (0..108).map(facet).collect()
+    }
+
+    #[test]
+    fn the_tree_misses_no_facet_that_a_line_passes() {
+        let facets = bent();
+        let face = Face::new(3, &facets, [0.0, 0.0, 1.0]);
+        let mut passed = 0;
+        for k in 0..500 {
+            let turn = |scale: f64| (f64::from(k) * scale).fract() - 0.5;
+            let x = [20.0 * turn(0.618_034), 16.0 * turn(0.754_878), 300.0 * turn(0.569_84).powi(3)];
+            let tilt = [turn(0.819_173), turn(0.671_044), 1.0];
+            let direction = tilt.map(|c| c / dot(tilt, tilt).sqrt());
+            let near = |nodes: &Vec<[f64; 3]>| lateral(direction, x, nodes[4]) <= distance(nodes[0], nodes[8]);
+            let all: Vec<usize> = (0..facets.len()).filter(|&facet| near(&facets[facet])).collect();
+            assert_eq!(face.along(x, direction), all, "line {k}");
+            passed += all.len();
+        }
+        assert!(passed > 1000, "{passed}");
+    }
 }

@@ -85,6 +85,11 @@ const PATIENCE: usize = 5;
 /// Rise of the forces' residual above its least at which a step is given up, and the least that counts.
 const RISE: f64 = 10.0;
 const WORTH: f64 = 1e-2;
+/// Iterations that find which nodes touch; the growth of the widest gap seen in them at which a step is given up
+/// afterwards, and the least of these gaps, as a share of the load.
+const FOUND: usize = 5;
+const APART: f64 = 2.0;
+const CLOSING: f64 = 0.1;
 /// Halvings of a Newton step that turns an element inside out.
 const HALVINGS: usize = 10;
 /// Elements evaluated at a time.
@@ -129,6 +134,11 @@ struct Balance {
     volume: f64,
     gap: f64,
     settled: bool,
+}
+
+/// Whether no contact bears anything.
+fn bears_nothing(state: &State) -> bool {
+    state.traction.iter().flatten().all(|traction| *traction == Traction::default())
 }
 
 impl Balance {
@@ -280,11 +290,12 @@ impl<'a> Solver<'a> {
         let mut last = Balance { force: f64::INFINITY, volume: 0.0, gap: 0.0, settled: false };
         let first = self.iterations;
         let mut first_force = f64::INFINITY;
+        let mut widest = CLOSING * (load - from.load).abs();
         let (mut best, mut stale) = (f64::INFINITY, 0);
         let mut held: Vec<Hold> = Vec::new();
         let mut forces = self.forces(&state).ok_or(StepError::InsideOut)?;
         for iteration in 0..iterations {
-            let touches = self.touches(&state, &before);
+            let touches = self.touches(&state, &before, iteration == 0 && bears_nothing(&state));
             let mut balance = self.balance(&state, forces, &touches);
             // What was balanced while nodes did something else is no measure of progress.
             let holds: Vec<Hold> = touches.iter().flat_map(|t| t.nodes.iter().map(|touch| touch.hold)).collect();
@@ -293,6 +304,11 @@ impl<'a> Solver<'a> {
             last = balance;
             if balance.holds() {
                 return Ok(state);
+            }
+            if iteration < FOUND {
+                widest = widest.max(balance.gap);
+            } else if !damped && balance.gap > APART * widest {
+                break;
             }
             balance.settled &= same;
             let off = balance.force + balance.volume;
@@ -351,7 +367,8 @@ impl<'a> Solver<'a> {
         element_system(self.problem.kinematics, &nodes, &displacement, pressure, material, history, tangent_bulk_kpa)
     }
 
-    fn touches(&self, state: &State, before: &[[f64; 3]]) -> Vec<Touching> {
+    /// What touched nodes do; `first` where faces that lie on each other are to be pressed for the first time.
+    fn touches(&self, state: &State, before: &[[f64; 3]], first: bool) -> Vec<Touching> {
         let now = self.problem.positions(state);
         let at = Positions { reference: &self.problem.mesh.nodes, before, now: &now };
         let contacts = self.problem.contacts.iter().zip(&state.traction);
@@ -361,7 +378,7 @@ impl<'a> Solver<'a> {
                 let (gaps, bending) = contact.gaps(at, &pressure);
                 let nodes = gaps.into_iter().zip(traction).enumerate();
                 let touch = |(k, (gap, &now))| {
-                    touch(contact.grip, gap, now, self.springs(contact.spring[k]), self.held(contact.nodes[k]))
+                    touch(contact.grip, gap, now, self.springs(contact.spring[k]), self.held(contact.nodes[k]), first)
                 };
                 Touching { nodes: nodes.map(touch).collect(), bending }
             })

@@ -61,6 +61,9 @@ pub(super) fn moved(gap: &NodeGap, change: &[f64], dim: usize) -> (f64, [f64; 3]
     (normal, offset)
 }
 
+/// Gap below which faces lie on each other, mm.
+const CLOSED: f64 = 1e-9;
+
 fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
@@ -92,8 +95,16 @@ fn open_face(normal: [f64; 3], held: [bool; 3]) -> Tensor {
 /// its traction, less a body-like spring times the slip, exceeds friction times the pressure; it then bears friction
 /// times the pressure *of the next state*, and in three dimensions its direction turns with the slip. Along the axes
 /// that are `held`, as on a plane of symmetry, faces do not rub: neighbours would hold such a node's mean slip once
-/// more. Springs: one as stiff as the body, and that of the tangent.
-pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, [soft, spring]: [f64; 2], held: [bool; 3]) -> Touch {
+/// more. Springs: one as stiff as the body, and that of the tangent. Where a press is at its `first` iteration, faces
+/// that lie on each other touch although nothing presses yet: else they would first move through each other.
+pub(super) fn touch(
+    grip: Grip,
+    gap: NodeGap,
+    now: Traction,
+    [soft, spring]: [f64; 2],
+    held: [bool; 3],
+    first: bool,
+) -> Touch {
     let free = |settled| Touch {
         gap: NodeGap::default(),
         hold: Hold::Free,
@@ -127,8 +138,8 @@ pub(super) fn touch(grip: Grip, gap: NodeGap, now: Traction, [soft, spring]: [f6
     }
     let mean = gap.gap / gap.area;
     // What decides is the soft spring: a stiffer one would let go at each curved step.
-    let pressure = now.normal - soft * mean;
-    if pressure <= 0.0 {
+    let pressure = (now.normal - soft * mean).max(0.0);
+    if pressure == 0.0 && !(first && mean < CLOSED) {
         return Touch { gap, ..free(now.normal <= 0.0) };
     }
     let touching = Touch { stiff: spring, spring, defect: mean.abs(), ..free(now.normal > 0.0) };
