@@ -254,7 +254,7 @@ fn hertz(rung: usize, nu: f64) -> Result<(Mesh, Value)> {
         ..Problem::free(kinematics, mesh, vec![material])
     };
     let mut solver = Solver::new(&problem, Method::Direct);
-    let state = follow(&mut solver, problem.start(), &[1.0], &mut |_| true)?;
+    let state = follow(&mut solver, problem.start(), &mut None, &[1.0], &mut |_| true)?;
     let iterations = solver.iterations;
     drop(solver);
     let seconds = start.elapsed().as_secs_f64();

@@ -54,19 +54,20 @@ const DAMPED_STEP: f64 = 0.13;
 /// What few iterations are.
 const EASY: usize = 6;
 
-/// Follows the loads (increasing factors) to the last. Each step starts from the line through the last two states;
-/// where it fails, it is halved. `observe` hears the present load factor and may stop the work.
+/// Follows the loads (increasing factors) to the last. Each step starts from the line through the last two states, of
+/// which `last` is the one before; where it fails, it is halved. `observe` hears the present load factor and may stop
+/// the work.
 ///
 /// # Errors
 /// [`PathError`].
 pub fn follow(
     solver: &mut Solver,
     start: State,
+    last: &mut Option<State>,
     loads: &[f64],
     observe: &mut dyn FnMut(f64) -> bool,
 ) -> Result<State, PathError> {
     let mut state = start;
-    let mut last: Option<State> = None;
     for &target in loads {
         let whole = target - state.load;
         let slides = solver.problem().slides();
@@ -83,7 +84,7 @@ pub fn follow(
             let damped = step <= DAMPED_STEP * whole;
             match solver.step(&state, guess.as_ref().unwrap_or(&state), next, damped) {
                 Ok(balanced) => {
-                    last = Some(std::mem::replace(&mut state, balanced));
+                    *last = Some(std::mem::replace(&mut state, balanced));
                     step *= GROWTH[usize::from(solver.iterations - iterations > EASY)];
                 }
                 // A matrix that is too large stays so, however short the step.

@@ -8,7 +8,7 @@ use crate::mechanics::problem::{Problem, State, Support};
 
 /// Brings a problem to its whole load, by way of `loads`.
 pub fn solve(problem: &Problem, loads: &[f64]) -> Result<State, StabilityError> {
-    Ok(follow(&mut Solver::new(problem, Method::Direct), problem.start(), loads, &mut |_| true)?)
+    Ok(follow(&mut Solver::new(problem, Method::Direct), problem.start(), &mut None, loads, &mut |_| true)?)
 }
 
 /// Prescribes one component of the displacement wherever `at` holds.

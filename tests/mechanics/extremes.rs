@@ -85,7 +85,7 @@ fn a_bonded_block_is_pressed_to_half_its_height() {
         let mut solver = Solver::new(&problem, Method::Direct);
         let mut state = problem.start();
         for load in (1..=10).map(|k| 0.1 * f64::from(k)) {
-            state = follow(&mut solver, state, &[load], &mut |_| true).unwrap();
+            state = follow(&mut solver, state, &mut None, &[load], &mut |_| true).unwrap();
             let least = min_jacobian(&problem, &state).unwrap();
             assert!(least > 0.0, "nu {poisson}, load {load}: {least}");
         }

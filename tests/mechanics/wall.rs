@@ -15,7 +15,7 @@ const DIVISIONS: usize = 1;
 fn pressed(assembly: &Assembly) -> State {
     let problem = &assembly.problem;
     let mut solver = Solver::new(problem, Method::Direct);
-    follow(&mut solver, problem.start(), &[1.0, 2.0, DEPTH_MM], &mut |_| true).unwrap()
+    follow(&mut solver, problem.start(), &mut None, &[1.0, 2.0, DEPTH_MM], &mut |_| true).unwrap()
 }
 
 /// How far the face around the sensor reaches into it, mm; negative where it stays away.

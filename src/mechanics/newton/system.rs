@@ -125,17 +125,17 @@ impl Solver<'_> {
         for chunk in elements.chunks(CHUNK) {
             let chunk_systems: Option<Vec<ElementSystem>> =
                 chunk.par_iter().map(|&e| self.element(e, state, Some(self.bulk_kpa(e)))).collect();
-            let Some(chunk_systems) = chunk_systems else {
+            let Some(mut chunk_systems) = chunk_systems else {
                 self.tangent = Some(tangent);
                 return Err(StepError::InsideOut);
             };
             let of = |e: usize| (problem.mesh.element(e), chunk_systems[e - chunk[0]].stiffness.as_slice());
             self.add_elements(&mut tangent, &chunk.iter().map(|&e| of(e)).collect::<Vec<_>>());
-            for (&e, mut system) in chunk.iter().zip(chunk_systems) {
+            chunk_systems.par_iter_mut().zip(chunk).for_each(|(system, &e)| {
                 let unknowns = unknowns(problem.mesh.element(e), dim);
                 system.stiffness = held_columns(&unknowns, &self.equation, &system.stiffness);
-                systems.push(system);
-            }
+            });
+            systems.append(&mut chunk_systems);
         }
         self.add_contacts(&mut tangent, touches);
         if self.damping.share > 0.0 {

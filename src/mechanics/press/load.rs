@@ -46,6 +46,7 @@ pub(super) fn march(
     let ways: Vec<[f64; 3]> = poses.iter().zip(starts()).map(|(pose, start)| pose.way_from(&start)).collect();
     let whole: f64 = ways.iter().map(|&way| length_mm(way)).sum();
     let base = moved_base(solver.problem());
+    let mut last = None;
     for (pose, way) in poses.into_iter().zip(ways) {
         let length = length_mm(way);
         if length > 0.0 {
@@ -53,11 +54,15 @@ pub(super) fn march(
             let target = match setup.load {
                 Load::Path(_) => {
                     solver.turn(&state, &motion(&base, way.map(|x| x / length), setup.kinematics.dim()));
+                    last = None;
                     state.load + length
                 }
                 _ => pose.depth_mm,
             };
-            state = follow(solver, state, &[target], &mut |load| observe(load / whole))?;
+            state = follow(solver, state, &mut last, &[target], &mut |load| observe(load / whole))?;
+        }
+        if pose.hold_s > 0.0 {
+            last = None;
         }
         state = hand_over(solver, state, pose)?;
     }
@@ -108,7 +113,7 @@ fn to_force(
     let mut depth = if low.0 > 0.0 { low.0 * target / low.1.max(f64::MIN_POSITIVE) } else { FIRST_DEPTH_MM };
     let mut last = (base.clone(), low.1);
     for _ in 0..TRIES {
-        let state = follow(solver, base.clone(), &[depth], observe)?;
+        let state = follow(solver, base.clone(), &mut None, &[depth], observe)?;
         let force = force_n(problem, &state, copies);
         last = (state, force);
         if meets(force) {

@@ -45,7 +45,7 @@ impl Solved {
     pub fn new(problem: Problem, loads: &[f64]) -> Result<Self, PathError> {
         let start = Instant::now();
         let mut solver = Solver::new(&problem, Method::Direct);
-        let state = follow(&mut solver, problem.start(), loads, &mut |_| true)?;
+        let state = follow(&mut solver, problem.start(), &mut None, loads, &mut |_| true)?;
         let (iterations, seconds) = (solver.iterations, start.elapsed().as_secs_f64());
         Ok(Self { problem, state, iterations, seconds })
     }

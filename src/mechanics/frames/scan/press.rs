@@ -40,7 +40,7 @@ pub(super) fn press(
 ) -> Result<Pressed, PathError> {
     let problem = problem(setup, mesh, position_mm, &mesh.boundary_facets(Boundary::Touched));
     let mut solver = Solver::new(&problem, Method::Direct);
-    let state = follow(&mut solver, problem.start(), &[setup.depth_mm], observe)?;
+    let state = follow(&mut solver, problem.start(), &mut None, &[setup.depth_mm], observe)?;
     let iterations = solver.iterations;
     Ok(Pressed { state, iterations, problem })
 }
