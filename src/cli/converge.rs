@@ -6,7 +6,7 @@ mod records;
 mod table;
 
 use super::flags::Backend;
-use super::job::load_scene;
+use super::job::{guides_light, load_scene};
 use super::output::{RESULT, SCENE, described};
 use super::{Failure, Outcome, Talk, note, print};
 use crate::scene::LoadedScene;
@@ -72,6 +72,9 @@ impl Converge {
         if self.only == Some(Only::Mechanics) && loaded.scene.press.is_none() {
             let message = format!("{}: --only mechanics needs a scene with a [press]", file.display());
             return Err(Failure::usage(message).in_file(&file));
+        }
+        if self.only != Some(Only::Mechanics) {
+            guides_light(&loaded, &file)?;
         }
         let shrink = self.shrink.unwrap_or(if self.quick { 8 } else { 1 });
         shrink_camera(&mut loaded, shrink);

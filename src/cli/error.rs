@@ -242,7 +242,6 @@ impl From<DataFileError> for Failure {
 impl From<ScanError> for Failure {
     fn from(error: ScanError) -> Self {
         match error {
-            ScanError::Unsupported { key, .. } => Self::input(error.to_string()).at_key(key),
             ScanError::Mesh(_) | ScanError::Material(_) => Self::input(error.to_string()),
             ScanError::File(file) => file.into(),
             ScanError::Position { .. } | ScanError::Frames(_) => Self::failed(error.to_string()),

@@ -1,13 +1,14 @@
 //! `inspect`: what was understood of a scene, and what a render of it would do.
 
 use super::facts::{columns, figure};
-use super::job::Job;
+use super::job::{Job, guides_light, load_scene};
 use super::pressing::{method_name, press_cost};
 use super::regimes::regimes;
 use super::{Failure, Outcome, Progress, Talk, cancel, print};
 use crate::mechanics::memory::limit_gib;
 use crate::mechanics::press::Cost;
 use crate::optics::{acceptance_deg, critical_deg};
+use crate::scene::LoadedScene;
 use crate::streams::{Role, Streams};
 use crate::surface::Surface;
 use crate::trace::gains::{Gain, gains};
@@ -16,7 +17,7 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Show what was understood of a scene: angles, regimes, kernel pieces, adapter.
 #[derive(Debug, Args)]
@@ -61,6 +62,11 @@ impl LayerAngles {
 
 impl Inspect {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let (loaded, file) = load_scene(&self.scene)?;
+        if guides_light(&loaded, &file).is_err() && !self.gains {
+            return self.mechanics(&loaded, &file).map(|()| Outcome::Done);
+        }
+        guides_light(&loaded, &file)?;
         let job = Job::sketch(&self.scene)?;
         let kernel = Kernel::of(&job.model);
         let plan = Plan::choose(job.settings.integrator, &kernel)?;
@@ -79,6 +85,21 @@ impl Inspect {
         }
         let same = seen.gains.iter().flatten().all(|gain| gain.same_image);
         Ok(if same { Outcome::Done } else { Outcome::CheckFailed })
+    }
+
+    /// What a scene without light does: its press.
+    fn mechanics(&self, loaded: &LoadedScene, file: &Path) -> Result<(), Failure> {
+        let (scene, press) = (&loaded.scene, press_cost(loaded, file)?);
+        if self.talk.json {
+            let light = json!({"undefined": "an indenter guides no light"});
+            let press = press.map(|cost| cost_json(&cost));
+            let said = json!({"scene": scene.name, "description": scene.description, "light": light, "press": press});
+            return print(&said.to_string());
+        }
+        let light = ("light".to_owned(), "none: an indenter presses in the sensor's place".to_owned());
+        let press = press.map(|cost| ("press".to_owned(), cost_text(&cost)));
+        let rows: Vec<_> = std::iter::once(light).chain(press).collect();
+        print(&format!("{}: {}\n\n{}", scene.name, scene.description, columns(&rows)))
     }
 
     fn measure(&self, job: &Job) -> Result<Vec<Gain>, Failure> {
@@ -130,6 +151,30 @@ pub(super) fn layers(job: &Job) -> Vec<LayerAngles> {
         }
     };
     stack.layer.iter().map(angles).collect()
+}
+
+fn cost_json(cost: &Cost) -> Value {
+    json!({
+        "elements": cost.elements,
+        "dofs": cost.unknowns,
+        "method": method_name(cost.method),
+        "memory_gib": cost.memory_gib,
+        "memory_limit_gib": limit_gib(),
+        "seconds": cost.seconds,
+    })
+}
+
+fn cost_text(cost: &Cost) -> String {
+    let fits = if cost.memory_gib <= limit_gib() { "of" } else { "MORE THAN" };
+    format!(
+        "{} elements, {} unknowns by {}: at most {} GiB, {fits} {} that may be had; about {} s, to a factor of 3",
+        cost.elements,
+        cost.unknowns,
+        method_name(cost.method),
+        figure(cost.memory_gib),
+        figure(limit_gib()),
+        figure(cost.seconds)
+    )
 }
 
 /// Where a render would compute.
@@ -198,14 +243,7 @@ impl Seen<'_> {
             "kernel": {"included": self.pieces(true), "left_out": self.pieces(false)},
             "camera": {"pixels": scene.camera.pixels, "mm_per_pixel": self.job.view()?.mm_per_pixel()},
             "memory": {"device_bytes": device, "program_bytes": program},
-            "press": self.press.map(|cost| json!({
-                "elements": cost.elements,
-                "dofs": cost.unknowns,
-                "method": method_name(cost.method),
-                "memory_gib": cost.memory_gib,
-                "memory_limit_gib": limit_gib(),
-                "seconds": cost.seconds,
-            })),
+            "press": self.press.map(|cost| cost_json(&cost)),
             "backend": self.device.backend,
             "adapter": self.device.adapter,
             "notice": self.device.notice,
@@ -268,19 +306,7 @@ impl Seen<'_> {
             ),
             row("memory", format!("about {device} MiB on the device, {program} MiB in the program")),
         ];
-        rows.extend(self.press.map(|cost| {
-            let fits = if cost.memory_gib <= limit_gib() { "of" } else { "MORE THAN" };
-            let what = format!(
-                "{} elements, {} unknowns by {}: at most {} GiB, {fits} {} that may be had; about {} s, to a factor of 3",
-                cost.elements,
-                cost.unknowns,
-                method_name(cost.method),
-                figure(cost.memory_gib),
-                figure(limit_gib()),
-                figure(cost.seconds)
-            );
-            row("press", what)
-        }));
+        rows.extend(self.press.map(|cost| row("press", cost_text(&cost))));
         rows.push(row("adapter", self.device.adapter.clone()));
         rows.extend(self.device.notice.iter().map(|notice| row("notice", notice.clone())));
         let _ = write!(text, "\n{}", columns(&rows));

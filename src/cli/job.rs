@@ -41,6 +41,17 @@ pub(super) fn load_scene(source: &Path) -> Result<(LoadedScene, PathBuf), Failur
     }
 }
 
+/// Refuses a scene whose light cannot be traced.
+pub(super) fn guides_light(loaded: &LoadedScene, file: &Path) -> Result<(), Failure> {
+    match &loaded.scene.press {
+        Some(press) if press.indenter.is_some() => {
+            let message = "press.indenter: an indenter guides no light; `tirtouch press` presses it";
+            Err(Failure::input(format!("{}: {message}", file.display())).in_file(file).at_key("press.indenter"))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// A scene and how it is wanted, before any work.
 pub(super) struct Order {
     loaded: LoadedScene,
@@ -54,7 +65,9 @@ impl Order {
     /// Loads a scene, and checks that the flags suit it.
     pub fn read(source: &Path, common: &Common) -> Result<Self, Failure> {
         let wanted = Wanted { without_inclusions: common.without_inclusions, coarse: false, quiet: common.talk.quiet };
-        Self::new(source, common, wanted)
+        let order = Self::new(source, common, wanted)?;
+        guides_light(&order.loaded, &order.file)?;
+        Ok(order)
     }
 
     fn new(source: &Path, common: &Common, wanted: Wanted) -> Result<Self, Failure> {

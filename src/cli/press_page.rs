@@ -54,7 +54,8 @@ pub(super) fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Sect
         let caption = "Section through the axis after the press, coloured by mean compressive stress.";
         items.push(picture(mesh, "deformed mesh with pressure in colour", caption));
     }
-    let caption = "Pressure on the touched face. Force and peak are judged within 0.8 of its radius.";
+    let caption = "Pressure on the touched face. The peak is judged within 0.8 of its radius, under an indenter \
+                   over all of it.";
     items.push(picture(&pictures.pressure, "contact pressure", caption));
     let percent = |share: Option<f64>| share.map_or("-".to_owned(), |share| figure(100.0 * share));
     let rows = pressed.steps.iter().map(|step| {

@@ -143,7 +143,7 @@ pub(super) fn load_name(step: &PressStep) -> String {
 /// What `--json` says of a load; `estimated`: whether errors were to be.
 fn step_json(step: &PressStep, estimated: bool) -> Value {
     let no_rounding =
-        json!({"undefined": "no rigid sensor with a rounded edge slides, or its arc takes half of the face"});
+        json!({"undefined": "no flat rigid sensor with a rounded edge slides, or its arc takes half of the face"});
     let rounding = |share: Option<f64>| share.map_or(no_rounding.clone(), |share| json!(share));
     let undefined = json!({"undefined": match (estimated, step.force_n) {
         (false, _) => "press.estimate_error is off",

@@ -26,6 +26,8 @@ pub struct Problem {
     /// Time in which the load factor grows by 1, s; `None`: so slow that all is relaxed. Matters to relaxing materials
     /// only.
     pub seconds_per_load: Option<f64>,
+    /// Longest step of the load factor: a longer one may lead to another state in balance, such as a face in folds.
+    pub longest_step: f64,
 }
 
 /// A prescribed displacement component.
@@ -69,7 +71,8 @@ impl Problem {
     pub fn free(kinematics: Kinematics, mesh: Mesh, materials: Vec<Material>) -> Self {
         let (supports, forces, contacts) = (Vec::new(), Vec::new(), Vec::new());
         let pressure = PressureOrder::default();
-        Self { kinematics, pressure, mesh, materials, supports, forces, contacts, seconds_per_load: None }
+        let (seconds_per_load, longest_step) = (None, f64::INFINITY);
+        Self { kinematics, pressure, mesh, materials, supports, forces, contacts, seconds_per_load, longest_step }
     }
 
     /// The undeformed state.

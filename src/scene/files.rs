@@ -21,6 +21,8 @@ impl Scene {
             files.push(("touch.contact.pressure.file".to_owned(), file.as_path()));
         }
         files.extend(self.phantom.iter().flat_map(phantom_files));
+        let indenter = self.press.as_ref().and_then(|press| press.indenter.as_ref());
+        files.extend(indenter.and_then(|indenter| indenter_file("press.indenter.file", indenter)));
         files
     }
 }
@@ -29,10 +31,15 @@ impl ScanScene {
     /// Key and path (as written) of every file that the scene names.
     pub fn files(&self) -> Vec<(String, &Path)> {
         let mut files = phantom_files(&self.phantom);
-        if let Indenter::Table { file } = &self.scan.indenter {
-            files.push(("scan.indenter.file".to_owned(), file.as_path()));
-        }
+        files.extend(indenter_file("scan.indenter.file", &self.scan.indenter));
         files
+    }
+}
+
+fn indenter_file<'a>(key: &str, indenter: &'a Indenter) -> Option<(String, &'a Path)> {
+    match indenter {
+        Indenter::Table { file } => Some((key.to_owned(), file.as_path())),
+        Indenter::Round { .. } | Indenter::RoundedFlat { .. } => None,
     }
 }
 

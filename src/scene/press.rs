@@ -1,6 +1,6 @@
 //! The press: phantom and sensor brought together.
 
-use super::{Inclusion, Phantom, PhantomBody, Stack};
+use super::{Inclusion, Indenter, Phantom, PhantomBody, Stack};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,14 @@ pub struct Press {
     pub step: Vec<PressStep>,
     /// Whether the sensor gives way. Default: `deformable`.
     pub sensor: PressedSensor,
-    /// The face of the sensor that the phantom can touch, centred on the axis. Absent: the stack's footprint.
+    /// A rigid indenter in the sensor's place, a body of revolution about the axis, for `sensor = "rigid"` and faces that
+    /// slide. It guides no light: `press` takes such a scene, `render` and `run` do not. Pressure is singular at a sharp
+    /// tip and at each bend of a table, and grows there with the resolution. Absent: the sensor presses.
+    pub indenter: Option<Indenter>,
+    /// The face of the sensor that the phantom can touch, centred on the axis. Absent: the stack's footprint. Of an
+    /// indenter, where elements are small: a disc. Absent: out to where the indenter lies as far below its tip as it is
+    /// pressed in, and farther by the longest slide; the whole of a rounded flat one whose edge is at most half as wide
+    /// as its flat.
     pub footprint: Option<Face>,
     /// What happens along the touching faces. Default: `frictionless`.
     pub interface: Interface,
@@ -58,6 +65,7 @@ impl Default for Press {
             forces_n: None,
             step: Vec::new(),
             sensor: PressedSensor::default(),
+            indenter: None,
             footprint: None,
             interface: Interface::default(),
             edge_radius_mm: None,
@@ -91,7 +99,7 @@ pub enum PressedSensor {
     /// Its layers deform as their `elastic` says; layers without it are rigid.
     #[default]
     Deformable,
-    /// It stays flat.
+    /// It stays flat, or an indenter is in its place.
     Rigid,
 }
 
@@ -163,6 +171,12 @@ impl Press {
         x.min(y) * LARGEST_EDGE
     }
 
+    /// The largest depth that is asked, mm; `None` where forces are.
+    pub fn deepest_mm(&self) -> Option<f64> {
+        let depths = self.depths_mm.iter().flatten().copied().chain(self.step.iter().filter_map(|step| step.depth_mm));
+        self.forces_n.is_none().then(|| depths.fold(0.0, f64::max))
+    }
+
     /// Where the steps slide the phantom, mm.
     pub fn slides(&self) -> impl Iterator<Item = [f64; 2]> {
         self.step.iter().filter_map(|step| step.slide_mm)
@@ -175,7 +189,7 @@ impl Press {
             let round = one.shape.semi_axes_mm().is_some_and(|semi| semi[0] == semi[1]);
             round && one.center_mm == [0.0; 2]
         };
-        if matches!(self.face(stack), Face::Rectangle { .. }) {
+        if self.indenter.is_none() && matches!(self.face(stack), Face::Rectangle { .. }) {
             return Some("the touched face is a rectangle".to_owned());
         }
         if self.tilt_deg != [0.0; 2] {

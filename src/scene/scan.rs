@@ -47,7 +47,7 @@ pub struct Scan {
     pub resolution: f64,
 }
 
-/// Shape of a rigid indenter.
+/// Shape of a rigid indenter: a cylinder across a scan's section, a body of revolution about the axis of a press.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields, tag = "kind")]
 pub enum Indenter {
@@ -80,6 +80,22 @@ pub struct Positions {
     pub to: f64,
     /// How many, ends included.
     pub count: u32,
+}
+
+/// Largest radius of a rounded flat indenter's edge, as a share of its flat's half width, at which it is meshed as a flat
+/// sensor is: the same share of the whole as that of a sensor's rim.
+const LARGEST_EDGE: f64 = 0.5;
+
+impl Indenter {
+    /// Half the width of one that is flat but for its edge, mm.
+    pub fn flat_face_mm(&self) -> Option<f64> {
+        match *self {
+            Self::RoundedFlat { flat_mm, edge_radius_mm } if edge_radius_mm <= LARGEST_EDGE * flat_mm => {
+                Some(flat_mm + edge_radius_mm)
+            }
+            _ => None,
+        }
+    }
 }
 
 impl Positions {

@@ -154,7 +154,7 @@ fn bad_scans_and_tables_name_file_line_and_key() {
     let before = place.names();
     for (arguments, file, line, key, said) in [
         (&["typo.toml"][..], "typo.toml", true, Some("scan.dept_mm"), "did you mean depth_mm"),
-        (&["tied.toml"], "tied.toml", false, Some("scan.interface"), "frictionless"),
+        (&["tied.toml"], "tied.toml", true, Some("scan.interface"), "frictionless"),
         (&["out.toml"], "out.toml", true, None, ""),
         (&["sensor.toml"], "sensor.toml", true, None, ""),
         (&["missing.toml"], "missing.toml", false, None, "missing.toml"),

@@ -110,3 +110,35 @@ fn a_press_beyond_the_memory_is_refused_with_what_would_fit() {
     assert_eq!(seen["press"]["method"], "multigrid");
     assert_eq!(seen["press"]["memory_limit_gib"], 2.0);
 }
+
+#[test]
+fn an_indenter_is_pressed_and_inspected_and_guides_no_light() {
+    let place = Place::new();
+    let indenter = "sensor = \"rigid\"\nindenter = { kind = \"table\", file = \"ball.csv\" }\nestimate_error = false";
+    let good =
+        scene("").replace("sensor = \"deformable\"", indenter).replace("kind = \"tied\"", "kind = \"frictionless\"");
+    let good = good.replace("footprint = { kind = \"round\", radius_mm = 15.0 }\n", "");
+    place.write("scene.toml", &good);
+    place.write("ball.csv", "x_mm,below_mm\n0,0\n1,0.1\n2,0.4\n3,0.9\n4,1.6\n");
+    let output = tirtouch_in(place.path(), &["press", "scene.toml", "-o", "out", "--json", "--quiet"]);
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    assert!(json(&output)["mechanics"]["force_n"].as_f64().unwrap() > 0.0);
+    let seen = json(&tirtouch_in(place.path(), &["inspect", "scene.toml", "--json"]));
+    assert!(seen["press"]["dofs"].as_u64().unwrap() > 0 && seen["light"]["undefined"].is_string(), "{seen}");
+    let said = tirtouch_in(place.path(), &["inspect", "scene.toml"]);
+    assert!(text(&said.stdout).contains("none: an indenter"), "{said:?}");
+    for command in [&["render"][..], &["run"], &["converge"], &["inspect", "--gains"]] {
+        let output = tirtouch_in(place.path(), &[command, &["scene.toml", "--json"]].concat());
+        assert_eq!(code(&output), 2, "{output:?}");
+        assert!(one_line(&output).contains("press.indenter: an indenter guides no light"), "{output:?}");
+    }
+    // Mistakes name the line.
+    for (from, to, key, line) in
+        [("frictionless", "tied", "press.interface", true), ("ball.csv", "none.csv", "press.indenter.file", true)]
+    {
+        place.write("wrong.toml", &good.replace(from, to));
+        let output = tirtouch_in(place.path(), &["press", "wrong.toml", "--json"]);
+        let error = json(&output)["error"].clone();
+        assert_eq!((code(&output), &error["key"], error["line"].is_u64()), (2, &key.into(), line), "{error}");
+    }
+}

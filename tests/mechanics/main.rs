@@ -12,6 +12,7 @@ mod extremes;
 mod faults;
 mod friction;
 mod inclusion;
+mod indenters;
 mod laws;
 mod layers;
 mod locking;

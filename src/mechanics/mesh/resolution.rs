@@ -88,6 +88,12 @@ impl Resolution {
         Self { edge_mm: self.edge_mm.min(arc), rim_mm, ..self }
     }
 
+    /// The same mesh with at least so many elements along a radius within which a contact ends where it likes.
+    pub fn across(self, radius_mm: f64, divisions: f64) -> Self {
+        let size = radius_mm / divisions;
+        Self { edge_mm: self.edge_mm.min(size), contact_mm: self.contact_mm.min(size), ..self }
+    }
+
     /// The same mesh with elements of 1 / `fineness` times the size, as near as whole numbers come.
     pub fn finer(self, fineness: f64) -> Self {
         Self {

@@ -24,6 +24,10 @@ pub struct Assembly {
 /// How far beyond the sensor's edge the phantom's face may come into contact, as a share of the sensor's radius.
 const MARGIN: f64 = 1.3;
 
+/// The same of an indenter's footprint, where its profile lies as deep as it is pressed in. Contact ends at 0.6 to 0.7
+/// of it on a half space; tissue that gives way nowhere but upwards rises to 1.41 times it at a ball, 1.5 at a cone.
+const RAISED: f64 = 2.0;
+
 impl Assembly {
     /// Meshes the bodies and brings them together.
     ///
@@ -51,6 +55,7 @@ impl Assembly {
         let mut wall = None;
         let pair = match &setup.sensor {
             SensorBody::Rigid { edge_radius_mm } => rigid(setup, &mesh, *edge_radius_mm)?,
+            SensorBody::Indenter(profile) => indenter(setup, &mesh, profile)?,
             SensorBody::Layers { layers, edge_radius_mm } => {
                 let sensor = SensorMesh {
                     footprint: setup.phantom.footprint,
@@ -107,6 +112,7 @@ impl Assembly {
             supports,
             contacts,
             seconds_per_load: setup.seconds_per_mm,
+            longest_step: setup.longest_step_mm(),
             ..Problem::free(setup.kinematics, mesh, materials)
         };
         Ok(Self { problem, phantom_nodes, phantom_elements, bodies })
@@ -130,11 +136,22 @@ fn rigid(setup: &Setup, mesh: &Mesh, edge_radius_mm: f64) -> Result<(Vec<Facet>,
     Ok((facets, Counterpart::Rigid { profile, center }, 1.0))
 }
 
+/// Facets of the phantom that an indenter may touch, and its profile.
+fn indenter(setup: &Setup, mesh: &Mesh, profile: &Profile) -> Result<(Vec<Facet>, Counterpart, f64), PressError> {
+    if setup.grip == Grip::Bonded {
+        return Err(PressError::Unsupported("a face that sticks from the start cannot wrap an indenter".into()));
+    }
+    let touched = mesh.boundary_facets(Boundary::Touched).into_iter();
+    let reach = RAISED * reach(setup) + setup.slide_mm();
+    let facets = touched.filter(|&facet| within(mesh, facet, reach)).collect();
+    Ok((facets, Counterpart::Rigid { profile: profile.clone(), center: [0.0; 2] }, 1.0))
+}
+
 /// Shear modulus of the softer of the two faces, kPa. What lies deeper does not matter to the contact: an inclusion a
 /// million times softer would make the tangent's spring too weak to close the gap.
 fn face_shear_kpa(setup: &Setup) -> f64 {
     let top = match &setup.sensor {
-        SensorBody::Rigid { .. } => None,
+        SensorBody::Rigid { .. } | SensorBody::Indenter(_) => None,
         SensorBody::Layers { layers, .. } => layers.last().map(|(_, material)| material),
     };
     let faces = setup.touched_material().into_iter().chain(top);

@@ -1,7 +1,9 @@
 //! Runs a press through its loads.
 
 use super::load::{Reached, march};
-use super::{Assembly, ContactPoint, Cost, Pose, PressError, PressureError, Setup, contact_points, error_estimate};
+use super::{
+    Assembly, ContactPoint, Cost, Pose, PressError, PressureError, SensorBody, Setup, contact_points, error_estimate,
+};
 use crate::mechanics::newton::{Method, Solver};
 use crate::mechanics::problem::State;
 use std::time::Instant;
@@ -35,7 +37,8 @@ pub struct PressStep {
     pub hold_s: f64,
     /// Total force along z, N.
     pub force_n: f64,
-    /// Largest pressure over 0.8 of the footprint's radius, kPa: the edge of a tied contact is singular.
+    /// Largest pressure over 0.8 of the footprint's radius, kPa: the edge of a tied contact is singular. Under an
+    /// indenter over all of the face.
     pub peak_pressure_kpa: f64,
     /// Nodes of the touched face, by x, then y.
     pub points: Vec<ContactPoint>,
@@ -154,8 +157,12 @@ fn step(setup: &Setup, assembly: &Assembly, Reached { state, pose, force_n }: Re
     PressStep { depth_mm, slide_mm, hold_s, force_n, peak_pressure_kpa, points, state, error: None }
 }
 
-/// Whether a point lies within the part of the footprint over which pressures are judged.
+/// Whether a point lies within the part of the face over which pressures are judged: an indenter has no singular edge,
+/// so all of its contact is.
 pub fn is_judged(setup: &Setup, point: &ContactPoint) -> bool {
+    if matches!(setup.sensor, SensorBody::Indenter(_)) {
+        return true;
+    }
     let [x, y, _] = point.reference_mm;
     let across = if setup.kinematics.dim() == 3 { x.hypot(y) } else { x.abs() };
     across <= JUDGED_SHARE * setup.reach_mm()

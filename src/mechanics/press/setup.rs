@@ -1,6 +1,6 @@
 //! What is pressed against what.
 
-use crate::mechanics::contact::Grip;
+use crate::mechanics::contact::{Grip, Profile};
 use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::Material;
@@ -39,6 +39,9 @@ pub enum SensorBody {
         /// Radius of the edge's rounding, mm.
         edge_radius_mm: f64,
     },
+    /// A rigid indenter in its place: a body of revolution about the axis, its tip in the plane of the phantom's face.
+    /// The footprint is what it is expected to touch, and does not bound the contact.
+    Indenter(Profile),
     /// Soft layers on rigid glass.
     Layers {
         /// Thickness, mm, and material of each, lowest first.
@@ -82,6 +85,10 @@ impl Pose {
 pub(super) fn length_mm(way: [f64; 3]) -> f64 {
     way.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
+
+/// Longest step on an indenter, in radii of its footprint: half an element of a curved one's. A rounded flat one folded
+/// the face where 0.3 of its footprint were one step, and so did a ball.
+const LONGEST_STEP: f64 = 1.0 / 12.0;
 
 impl Setup {
     /// The same press on elements of twice the size.
@@ -132,6 +139,22 @@ impl Setup {
         match self.sensor {
             SensorBody::Rigid { .. } if self.grip == Grip::Bonded => 0.0,
             SensorBody::Rigid { edge_radius_mm } | SensorBody::Layers { edge_radius_mm, .. } => edge_radius_mm,
+            // That of a flat one, where the footprint ends with it.
+            SensorBody::Indenter(Profile::RoundedFlat { flat_mm, edge_radius_mm })
+                if (flat_mm + edge_radius_mm - self.reach_mm()).abs() < 1e-9 * self.reach_mm() =>
+            {
+                edge_radius_mm
+            }
+            SensorBody::Indenter(_) => 0.0,
+        }
+    }
+
+    /// Longest step of the load, mm. A curved indenter that went deeper at once would fold the face at the contact's
+    /// edge, and the folds stay.
+    pub(super) fn longest_step_mm(&self) -> f64 {
+        match self.sensor {
+            SensorBody::Indenter(_) => (LONGEST_STEP * self.reach_mm()).min(0.5 * self.phantom.resolution.contact_mm),
+            SensorBody::Rigid { .. } | SensorBody::Layers { .. } => f64::INFINITY,
         }
     }
 

@@ -35,6 +35,11 @@ impl Rotation {
         let normal = [0, 1, 2].map(|i| self.0[i][2]);
         -(normal[0] * x + normal[1] * y) / normal[2]
     }
+
+    /// How steep the turned plane z = 0 is.
+    fn slope(&self) -> f64 {
+        self.0[0][2].hypot(self.0[1][2]) / self.0[2][2]
+    }
 }
 
 /// Turns a phantom whose faces slide, and lifts it until it just touches.
@@ -52,7 +57,13 @@ pub(super) fn turn(setup: &Setup, phantom: &mut Mesh) -> Result<(), PressError> 
         return Ok(());
     }
     let rotation = Rotation::new(setup.tilt_deg);
-    let lift = rim(setup).into_iter().map(|[x, y, z]| z - rotation.height(x, y)).fold(0.0, f64::max);
+    let lift = match &setup.sensor {
+        SensorBody::Indenter(profile) => profile.lift(rotation.slope(), setup.reach_mm()),
+        SensorBody::Rigid { edge_radius_mm } | SensorBody::Layers { edge_radius_mm, .. } => {
+            let rim = rim(setup, *edge_radius_mm).into_iter();
+            rim.map(|[x, y, z]| z - rotation.height(x, y)).fold(0.0, f64::max)
+        }
+    };
     for node in &mut phantom.nodes {
         *node = rotation.of(*node);
         node[2] += lift;
@@ -60,11 +71,8 @@ pub(super) fn turn(setup: &Setup, phantom: &mut Mesh) -> Result<(), PressError> 
     Ok(())
 }
 
-/// Points of the sensor's face that a tilted phantom may meet first, mm.
-fn rim(setup: &Setup) -> Vec<[f64; 3]> {
-    let radius = match setup.sensor {
-        SensorBody::Rigid { edge_radius_mm } | SensorBody::Layers { edge_radius_mm, .. } => edge_radius_mm,
-    };
+/// Points of a sensor's face, its rim of this radius, that a tilted phantom may meet first, mm.
+fn rim(setup: &Setup, radius: f64) -> Vec<[f64; 3]> {
     let mut points = Vec::new();
     for k in 0..AROUND {
         let (sin, cos) = (std::f64::consts::TAU * k as f64 / AROUND as f64).sin_cos();

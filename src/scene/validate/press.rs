@@ -1,10 +1,10 @@
 //! Rules of the press: it fits phantom and stack, and nothing else says what it computes.
 
 use super::bounds::{ANY, NOT_NEGATIVE, POSITIVE, above, number};
-use super::{Invalid, all, phantom};
+use super::{Invalid, all, phantom, scan};
 use crate::scene::{
-    Dimensions, Face, Inner, Interface, Phantom, PhantomBody, Press, PressStep, PressedSensor, Pressure, Scene, Shape,
-    Stack,
+    Dimensions, Face, Indenter, Inner, Interface, Phantom, PhantomBody, Press, PressStep, PressedSensor, Pressure,
+    Scene, Shape, Stack,
 };
 use std::ops::Bound;
 
@@ -42,19 +42,48 @@ fn pressing(scene: &Scene) -> Result<(), Invalid> {
         _ => Ok(()),
     };
     let face = face(press, scene.stack.footprint_mm, phantom);
-    let on_face = match &face {
-        Ok(()) => all([edge(press, &scene.stack), dimensions(press, phantom, scene)]),
-        Err(_) => Ok(()),
+    let on_face = match (&face, &press.indenter) {
+        (Ok(()), None) => all([edge(press, &scene.stack), dimensions(press, phantom, scene)]),
+        (Ok(()), Some(_)) => dimensions(press, phantom, scene),
+        (Err(_), _) => Ok(()),
     };
     all([
         touch(scene, from_press),
         load(press, phantom.shape.height_mm()),
         sensor(press, &scene.stack),
+        press.indenter.as_ref().map_or(Ok(()), |one| indenter(press, one)),
         face,
         on_face,
         tilt(press),
         friction,
         number("press.resolution", press.resolution, 0.25..=16.0, 1.0),
+    ])
+}
+
+/// An indenter of some shape, which is rigid, slides, has no other edge, and whose footprint is or can be told.
+fn indenter(press: &Press, indenter: &Indenter) -> Result<(), Invalid> {
+    let rule = |holds: bool, key: &str, message: &str| if holds { Ok(()) } else { Err(Invalid::new(key, message)) };
+    scan::indenter("press.indenter", indenter)?;
+    let told = press.footprint.is_some() || press.forces_n.is_none() || indenter.flat_face_mm().is_some();
+    let steps = press.step.iter().enumerate();
+    let steps = steps.filter_map(|(index, step)| Some((format!("press.step[{index}].depth_mm"), step.depth_mm?)));
+    let depths = press.depths_mm.iter().flatten().enumerate();
+    let depths = depths.map(|(index, &depth)| (format!("press.depths_mm[{index}]"), depth));
+    all([
+        rule(
+            press.sensor == PressedSensor::Rigid,
+            "press.indenter",
+            "takes the sensor's place; add sensor = \"rigid\"",
+        ),
+        scan::slides("press.interface", press.interface),
+        rule(press.edge_radius_mm.is_none(), "press.edge_radius_mm", "the indenter has its own edge; leave it out"),
+        rule(
+            told,
+            "press.forces_n",
+            "how deep they press is not known: give footprint, as wide as the indenter will be below the face; for \
+             example footprint = { kind = \"round\", radius_mm = 6.0 }",
+        ),
+        steps.chain(depths).try_for_each(|(key, depth)| scan::above_middle(indenter, &key, depth)),
     ])
 }
 
@@ -187,9 +216,14 @@ fn tilt(press: &Press) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// The touched face lies within the stack's footprint and under the phantom.
+/// The touched face lies within the stack's footprint, if that presses, and under the phantom. Of an indenter without a
+/// footprint the axis does.
 fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), Invalid> {
     let (half, names) = match press.footprint {
+        Some(Face::Rectangle { .. }) if press.indenter.is_some() => {
+            let message = "that of an indenter is round; for example { kind = \"round\", radius_mm = 6.0 }";
+            return Err(Invalid::new("press.footprint", message));
+        }
         Some(Face::Round { radius_mm }) => ([radius_mm; 2], ["press.footprint.radius_mm"; 2]),
         Some(Face::Rectangle { half_widths_mm }) => {
             (half_widths_mm, ["press.footprint.half_widths_mm[0]", "press.footprint.half_widths_mm[1]"])
@@ -199,13 +233,16 @@ fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), 
     for axis in 0..2 {
         number(&format!("press.offset_mm[{axis}]"), press.offset_mm[axis], ANY, 1.0)?;
         number(names[axis], half[axis], POSITIVE, 15.0)?;
-        let room = footprint_mm[axis] / 2.0;
+        let room = if press.indenter.is_some() { f64::INFINITY } else { footprint_mm[axis] / 2.0 };
         if half[axis] > room + TOUCHING_MM {
             let message = format!("must be at most {room} to lie within stack.footprint_mm, is {}", half[axis]);
             return Err(Invalid::new(names[axis], message));
         }
     }
-    let outline = press.footprint.unwrap_or(Face::Rectangle { half_widths_mm: half });
+    let outline = press.footprint.unwrap_or(match press.indenter {
+        Some(_) => Face::Round { radius_mm: 0.0 },
+        None => Face::Rectangle { half_widths_mm: half },
+    });
     let over = if press.offset_mm == [0.0; 2] { "press.footprint" } else { "press.offset_mm" };
     below_phantom(&outline, press.offset_mm, phantom, over)?;
     for (index, slide) in press.step.iter().enumerate().filter_map(|(index, step)| Some((index, step.slide_mm?))) {

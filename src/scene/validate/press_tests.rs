@@ -2,8 +2,8 @@
 use super::*;
 use crate::scene::bad_scenes::{Bad, bad, check, check_scan, rule, text_of};
 use crate::scene::{
-    DepthTo, Dimensions, Inclusion, InclusionBody, Interface, PhantomLayer, PressStep, Scene, parse, preset,
-    scan_preset,
+    DepthTo, Dimensions, Face, Inclusion, InclusionBody, Indenter, Interface, PhantomLayer, Press, PressStep, Scene,
+    parse, preset, scan_preset,
 };
 use std::path::Path;
 
@@ -321,6 +321,61 @@ fn a_rim_fits_the_face_and_the_layer_that_carries_it() {
     refused(0.0, rigid, "positive");
 }
 
+/// A press by a rigid ball of 6 mm without friction, by 1 mm.
+fn by_ball() -> Scene {
+    let mut scene = preset(SCENE).unwrap().scene;
+    let press = scene.press.as_mut().unwrap();
+    (press.depths_mm, press.footprint, press.interface) = (Some(vec![1.0]), None, Interface::Frictionless);
+    (press.sensor, press.indenter) = (PressedSensor::Rigid, Some(Indenter::Round { radius_mm: 6.0 }));
+    scene
+}
+
+#[test]
+fn an_indenter_is_rigid_slides_and_shows_where_it_touches() {
+    assert_eq!(validate(&by_ball()), Ok(()));
+    let (round, rectangle) = (Face::Round { radius_mm: 4.0 }, Face::Rectangle { half_widths_mm: [4.0; 2] });
+    let step = |depth_mm: f64, x: f64| PressStep { depth_mm: Some(depth_mm), slide_mm: Some([x, 0.0]), hold_s: 0.0 };
+    let flat = |edge_radius_mm| Some(Indenter::RoundedFlat { flat_mm: 4.0, edge_radius_mm });
+    let table = |file: &str| Some(Indenter::Table { file: file.into() });
+    type Change<'a> = dyn Fn(&mut Press) + 'a;
+    let wrong: [(&str, &str, &Change<'_>); 11] = [
+        ("press.indenter", "add sensor = \"rigid\"", &|press| press.sensor = PressedSensor::Deformable),
+        ("press.indenter.radius_mm", "positive", &|press| press.indenter = Some(Indenter::Round { radius_mm: 0.0 })),
+        ("press.indenter.file", "must end in .csv", &|press| press.indenter = table("a.xls")),
+        ("press.interface", "take frictionless or coulomb", &|press| press.interface = Interface::Tied),
+        ("press.edge_radius_mm", "leave it out", &|press| press.edge_radius_mm = Some(0.5)),
+        ("press.footprint", "is round", &|press| press.footprint = Some(rectangle)),
+        ("press.depths_mm[1]", "radius of 6, is 6.5", &|press| press.depths_mm = Some(vec![1.0, 6.5])),
+        ("press.step[0].depth_mm", "radius of 6, is 7", &|press| {
+            (press.depths_mm, press.step) = (None, vec![step(7.0, 0.0)])
+        }),
+        ("press.step[1].slide_mm", "over the phantom's side", &|press| {
+            (press.depths_mm, press.step) = (None, vec![step(1.0, 0.0), step(1.0, 30.5)])
+        }),
+        ("press.forces_n", "give footprint", &|press| {
+            (press.depths_mm, press.forces_n) = (None, Some(vec![0.1]));
+            press.indenter = flat(2.1);
+        }),
+        ("press.dimensions", "off the axis", &|press| {
+            (press.offset_mm, press.dimensions) = ([1.0, 0.0], Dimensions::Two)
+        }),
+    ];
+    for (key, says, change) in wrong {
+        let mut scene = by_ball();
+        change(scene.press.as_mut().unwrap());
+        let error = validate(&scene).unwrap_err();
+        assert!(error.key == key && error.message.contains(says) && error.others.is_empty(), "{key}: {error:?}");
+    }
+    // A footprint that is given, or that of a flat face, serves forces.
+    for (footprint, indenter) in [(Some(round), flat(2.1)), (None, flat(2.0))] {
+        let mut scene = by_ball();
+        let press = scene.press.as_mut().unwrap();
+        (press.depths_mm, press.forces_n, press.footprint, press.indenter) =
+            (None, Some(vec![0.1]), footprint, indenter);
+        assert_eq!(validate(&scene), Ok(()));
+    }
+}
+
 #[test]
 fn the_rules_of_scans_hold() {
     let round = "{ kind = \"round\", radius_mm = 20.0 }";
@@ -340,6 +395,7 @@ fn the_rules_of_scans_hold() {
         scan_rule("= 129", "= 4 #!", "scan.frame_points", "from 5 to 10000"),
         scan_rule("window_mm = 10.0 ", "window_mm = 16.5 #!", "scan.window_mm", "at most 16"),
         scan_rule("\"frictionless\" }", "\"coulomb\", friction = -1 } #!", "scan.interface.friction", "positive"),
+        scan_rule("\"frictionless\" }", "\"tied\" } #!", "scan.interface", "take frictionless or coulomb"),
         scan_rule(block, "{ kind = \"cylinder\", radius_mm = 130, height_mm = 25.0 } #!", "phantom.shape.kind", "needs a block"),
         scan_rule("depth_to = \"top\"", "center_mm = [0, 1] #!", "phantom.inclusion[0].center_mm[1]", "at most 0"),
         bad("frames-galea", "[scan]", "[led] #!\n[scan]", "unknown_key", "led", "the keys here are description, name, phantom, scan"),

@@ -29,7 +29,7 @@ pub(super) fn check(scene: &ScanScene) -> Result<(), Invalid> {
         (Ok(()), Ok(())) => all([frames_fit(scan, size_mm[0] / 2.0), window]),
         _ => Ok(()),
     };
-    let indenter = indenter(&scan.indenter);
+    let indenter = indenter("scan.indenter", &scan.indenter);
     let depth = if indenter.is_ok() { depth(scan, *height_mm) } else { Ok(()) };
     all([
         in_plane,
@@ -39,6 +39,7 @@ pub(super) fn check(scene: &ScanScene) -> Result<(), Invalid> {
         width,
         over_tissue,
         whole("scan.frame_points", scan.frame_points.into(), 5..=10_000, 121),
+        slides("scan.interface", scan.interface),
         friction,
         number("scan.resolution", scan.resolution, 0.25..=16.0, 1.0),
     ])
@@ -50,11 +51,24 @@ fn depth(scan: &Scan, height_mm: f64) -> Result<(), Invalid> {
         let message = format!("must be below the tissue's height of {height_mm}, is {}", scan.depth_mm);
         return Err(Invalid::new("scan.depth_mm", message));
     }
-    if let Indenter::Round { radius_mm } = scan.indenter
-        && scan.depth_mm >= radius_mm
-    {
-        let message = format!("must be below the indenter's radius of {radius_mm}, is {}", scan.depth_mm);
-        return Err(Invalid::new("scan.depth_mm", message));
+    above_middle(&scan.indenter, "scan.depth_mm", scan.depth_mm)
+}
+
+/// A round indenter stays above the tissue by half.
+pub(super) fn above_middle(indenter: &Indenter, key: &str, depth_mm: f64) -> Result<(), Invalid> {
+    match indenter {
+        Indenter::Round { radius_mm } if depth_mm >= *radius_mm => {
+            Err(Invalid::new(key, format!("must be below the indenter's radius of {radius_mm}, is {depth_mm}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A face that wraps an indenter slides on it.
+pub(super) fn slides(key: &str, interface: Interface) -> Result<(), Invalid> {
+    if interface == Interface::Tied {
+        let message = "a face that sticks from the start cannot wrap an indenter; take frictionless or coulomb";
+        return Err(Invalid::new(key, message));
     }
     Ok(())
 }
@@ -85,8 +99,9 @@ fn frames_fit(scan: &Scan, room: f64) -> Result<(), Invalid> {
     Ok(())
 }
 
-fn indenter(indenter: &Indenter) -> Result<(), Invalid> {
-    let key = |name: &str| format!("scan.indenter.{name}");
+/// Lengths that are some, and a table that is one; `at` is the indenter's own key.
+pub(super) fn indenter(at: &str, indenter: &Indenter) -> Result<(), Invalid> {
+    let key = |name: &str| format!("{at}.{name}");
     match indenter {
         Indenter::Round { radius_mm } => number(&key("radius_mm"), *radius_mm, above(0.0, MAX_EXTENT_MM, true), 20.0),
         Indenter::RoundedFlat { flat_mm, edge_radius_mm } => {

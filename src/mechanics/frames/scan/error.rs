@@ -11,14 +11,6 @@ use thiserror::Error;
 /// Why there are no frames.
 #[derive(Debug, Error)]
 pub enum ScanError {
-    /// A setting that a scan cannot have, and what it can.
-    #[error("{key}: {message}")]
-    Unsupported {
-        /// Its key in the scene.
-        key: &'static str,
-        /// What is wrong and what would be right.
-        message: &'static str,
-    },
     /// The geometry.
     #[error(transparent)]
     Mesh(#[from] MeshError),

@@ -5,7 +5,7 @@ use crate::mechanics::contact::{Grip, Profile};
 use crate::mechanics::from_scene;
 use crate::mechanics::material::Material;
 use crate::mechanics::mesh::{Footprint, PhantomMesh, Resolution};
-use crate::scene::{Indenter, Interface, LoadedScan, read_indenter_table};
+use crate::scene::LoadedScan;
 
 /// Description of a scan.
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ impl ScanSetup {
     /// The scan of a scene. Its tissue is pressed so slowly that all is relaxed.
     ///
     /// # Errors
-    /// When a file cannot be read, or the interface is tied: a face that sticks from the start cannot wrap an indenter.
+    /// When a file cannot be read.
     pub fn from_scene(loaded: &LoadedScan) -> Result<Self, ScanError> {
         let (phantom, scan) = (&loaded.scene.phantom, &loaded.scene.scan);
         let inclusions = phantom.inclusion.iter().map(|one| from_scene::inclusion_shape(one, &loaded.folder));
@@ -61,20 +61,8 @@ impl ScanSetup {
                 layers_mm: phantom.layer.iter().map(|layer| layer.thickness_mm).collect(),
             },
             materials: from_scene::materials(phantom)?,
-            indenter: match &scan.indenter {
-                Indenter::Round { radius_mm } => Profile::Round { radius_mm: *radius_mm },
-                &Indenter::RoundedFlat { flat_mm, edge_radius_mm } => Profile::RoundedFlat { flat_mm, edge_radius_mm },
-                Indenter::Table { file } => Profile::Table(read_indenter_table(&loaded.resolve(file))?),
-            },
-            grip: match scan.interface {
-                Interface::Frictionless => Grip::Frictionless,
-                Interface::Coulomb { friction } => Grip::Coulomb(friction),
-                Interface::Tied => {
-                    let message =
-                        "a face that sticks from the start cannot wrap an indenter; take frictionless or coulomb";
-                    return Err(ScanError::Unsupported { key: "scan.interface", message });
-                }
-            },
+            indenter: from_scene::profile(&scan.indenter, &loaded.folder)?,
+            grip: from_scene::grip(scan.interface),
             depth_mm: scan.depth_mm,
             positions_mm: scan.positions_mm.all_mm(),
             places_mm: (0..scan.frame_points).map(|k| half * (2.0 * f64::from(k) / steps - 1.0)).collect(),

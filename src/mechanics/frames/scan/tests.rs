@@ -190,11 +190,8 @@ fn a_position_that_fails_is_named_and_a_stop_is_no_failure() {
 }
 
 #[test]
-fn friction_arrives_and_a_tied_interface_is_refused() {
+fn friction_arrives() {
     let mut loaded = scene(-8.0, 0.0, 2);
     loaded.scene.scan.interface = Interface::Coulomb { friction: 0.3 };
     assert_eq!(ScanSetup::from_scene(&loaded).unwrap().grip, Grip::Coulomb(0.3));
-    loaded.scene.scan.interface = Interface::Tied;
-    let said = ScanSetup::from_scene(&loaded).unwrap_err().to_string();
-    assert!(said.starts_with("scan.interface: ") && said.contains("frictionless or coulomb"), "{said}");
 }
