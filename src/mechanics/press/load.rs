@@ -61,7 +61,8 @@ pub(super) fn march(
             };
             state = follow(solver, state, &mut last, &[target], &mut |load| observe(load / whole))?;
         }
-        if pose.hold_s > 0.0 {
+        // A line through states whose faces slid, drawn on by as much again, costs more than it spares.
+        if pose.hold_s > 0.0 || solver.problem().slides() {
             last = None;
         }
         state = hand_over(solver, state, pose)?;
