@@ -209,7 +209,8 @@ fn a_rounded_rim_lets_soft_faces_slide_to_4_mm() {
     let iterations = pressed.each_ref().map(|pressed| pressed.iterations);
     println!("{forces:?} {iterations:?}");
     assert!(forces[0] < forces[1] && forces[1] < forces[2], "{forces:?}");
-    assert!(iterations[..2].iter().all(|&n| n < 200), "{iterations:?}");
+    // Faces that first move through each other, as those do that count as apart at rest, take 58 without friction.
+    assert!(iterations[0] < 40 && iterations[1] < 200, "{iterations:?}");
     for (pressed, friction) in pressed.iter().zip([0.0, 0.5]) {
         assert!(min_jacobian(&pressed.assembly.problem, &pressed.steps[0].state).unwrap() > 0.0);
         for point in &pressed.steps[0].points {
