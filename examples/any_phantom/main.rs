@@ -1,20 +1,22 @@
 //! How often does a press of a phantom that nobody chose come to its end, and how long does it take?
 //!
 //!     cargo run --release --example any_phantom -- [--phantoms 500] [--solid] [--resolution F] [--edge-mm R] [--seed 1]
-//!                                                  [--all] [--mesh] [--friction F]
+//!                                                  [--all] [--mesh] [--friction F] [--near]
 //!
 //! Draws phantoms about `phantom-size-8mm`: a sphere of 4 to 14 mm and 20 to 150 kPa (log-uniform), its top 2 to 11 mm
 //! deep as far as it fits, in 3 to 10 kPa, pressed from 0.5 mm to 0.5 to 5 mm in three loads, each with and without its
 //! inclusion. With `--solid` the sphere lies up to 8 mm off the axis, at any angle about it, and the phantom is tilted
 //! by up to 2 degrees, so that the press is one in three dimensions without a symmetry. With `--mesh` they are meshed
-//! and not pressed. With `--friction` faces slide instead of being tied, 0 without friction. Prints a row for each failure, then counts and times.
+//! and not pressed. With `--friction` faces slide instead of being tied, 0 without friction. With `--near`
+//! each is pressed twice, alone and from what the phantom before it found. Prints a row for each failure, then counts
+//! and times.
 
 use anyhow::{Context as _, Result};
 use clap::Parser;
 use std::time::Instant;
 use tirtouch::camera::noise::PixelRandom;
 use tirtouch::mechanics::from_scene::press_setup;
-use tirtouch::mechanics::press::{PressError, PressSettings, Pressed, press};
+use tirtouch::mechanics::press::{PressError, PressSettings, Pressed, press, press_near};
 use tirtouch::scene::{Elastic, InclusionBody, Interface, LoadedScene, preset};
 
 #[derive(Parser)]
@@ -40,6 +42,9 @@ struct Arguments {
     /// Friction of faces that slide; tied if not given.
     #[arg(long)]
     friction: Option<f64>,
+    /// Each phantom, with its inclusion, starts from the one before, and is pressed alone as well.
+    #[arg(long)]
+    near: bool,
     /// Meshes only.
     #[arg(long)]
     mesh: bool,
@@ -142,10 +147,65 @@ fn meshes(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// Presses each phantom to the same depths, alone and from the one before it, and prints how far the two are apart.
+fn near(arguments: &Arguments) -> Result<()> {
+    let settings = PressSettings::default();
+    let mut before: Option<Pressed> = None;
+    let (mut shares, mut seconds, mut apart) = (Vec::new(), [0.0; 2], Vec::new());
+    for number in arguments.first..arguments.first + arguments.phantoms {
+        let drawn = Drawn { depths_mm: NEAR_DEPTHS_MM.to_vec(), ..Drawn::new(arguments.seed, number) };
+        let setup = press_setup(&drawn.scene(arguments)?)?;
+        let (Ok(alone), Ok(near)) =
+            (press(&setup, settings, &mut |_| true), press_near(&setup, before.as_ref(), settings, &mut |_| true))
+        else {
+            println!("{number}: {}: a press failed", drawn.words());
+            continue;
+        };
+        if before.is_some() {
+            shares.push(near.iterations as f64 / alone.iterations as f64);
+            (seconds[0], seconds[1]) = (seconds[0] + alone.seconds, seconds[1] + near.seconds);
+            let forces = alone.steps.iter().zip(&near.steps).map(|(a, b)| (b.force_n / a.force_n - 1.0).abs());
+            let off = forces.fold(0.0, f64::max);
+            apart.push(off);
+            if arguments.all || off > 1e-6 {
+                let [alone, near] = [alone.iterations, near.iterations];
+                println!(
+                    "{number}: {alone} iterations alone, {near} near, forces apart by {off:.1e}: {}",
+                    drawn.words()
+                );
+            }
+        }
+        before = Some(near);
+    }
+    shares.sort_by(f64::total_cmp);
+    apart.sort_by(f64::total_cmp);
+    let at = |of: &[f64], share: f64| of.get((share * (of.len() as f64 - 1.0)) as usize).copied().unwrap_or(f64::NAN);
+    println!(
+        "{} phantoms, seconds {:.1} alone and {:.1} near; iterations near over alone: median {:.2}, 95 % {:.2}, most {:.2}; \
+         forces apart: median {:.1e}, 95 % {:.1e}, most {:.1e}",
+        shares.len(),
+        seconds[0],
+        seconds[1],
+        at(&shares, 0.5),
+        at(&shares, 0.95),
+        at(&shares, 1.0),
+        at(&apart, 0.5),
+        at(&apart, 0.95),
+        at(&apart, 1.0)
+    );
+    Ok(())
+}
+
+/// Depths that neighbours are pressed to, mm.
+const NEAR_DEPTHS_MM: [f64; 3] = [1.0, 2.0, 4.0];
+
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
     if arguments.mesh {
         return meshes(&arguments);
+    }
+    if arguments.near {
+        return near(&arguments);
     }
     let (mut failed, mut seconds) = (0, Vec::new());
     for number in arguments.first..arguments.first + arguments.phantoms {

@@ -92,7 +92,7 @@ impl Order {
         let role = if wanted.without_inclusions { Role::WithoutInclusions } else { Role::Image };
         let streams = Streams { sharing, ..Streams::new(settings.seed, &*loaded.sha256, role) };
         let press = match loaded.scene.press {
-            Some(_) => Some(Rc::new(press_scene(&loaded, &file, wanted).map_err(|stopped| stopped.failure)?)),
+            Some(_) => Some(Rc::new(press_scene(&loaded, &file, wanted, None).map_err(|stopped| stopped.failure)?)),
             None => None,
         };
         let press = press.and_then(|pressed| Some((pressed.clone(), pressed.steps.len().checked_sub(1)?)));
@@ -134,7 +134,7 @@ impl Job {
             press.estimate_error = false;
         }
         let wanted = Wanted { without_inclusions: true, coarse: false, quiet };
-        let pressed = Rc::new(press_scene(&loaded, file, wanted).map_err(|stopped| stopped.failure)?);
+        let pressed = Rc::new(press_scene(&loaded, file, wanted, Some(pressed)).map_err(|stopped| stopped.failure)?);
         let streams = Streams { role: Role::Baseline, ..self.streams.clone() };
         let last = pressed.steps.len().saturating_sub(1);
         Self::build(loaded, Some((pressed, last)), self.settings.clone(), streams, file.clone())

@@ -44,7 +44,7 @@ impl Press {
         let name = loaded.scene.name.clone();
         let place = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&name));
         let folder = OutputFolder::create(&place, self.force)?;
-        match press_scene(&loaded, &file, wanted) {
+        match press_scene(&loaded, &file, wanted, None) {
             Ok(pressed) => self.finish(&loaded, &pressed, folder, None).map(|()| Outcome::Done),
             Err(PressFailure { failure, reached: Some(reached) }) if !reached.steps.is_empty() => {
                 self.finish(&loaded, &reached, folder, Some(&failure))?;

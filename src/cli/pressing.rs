@@ -6,7 +6,7 @@ use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::newton::Method;
 use crate::mechanics::path::PathError;
-use crate::mechanics::press::{Cost, PressError, PressSettings, PressStep, Pressed, Rounding, Setup, press};
+use crate::mechanics::press::{Cost, PressError, PressSettings, PressStep, Pressed, Rounding, Setup, press_near};
 use crate::scene::LoadedScene;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -25,15 +25,20 @@ pub(super) struct Wanted {
     pub quiet: bool,
 }
 
-/// Presses, showing how far it is. Ctrl-C stops it.
-pub(super) fn press_scene(loaded: &LoadedScene, file: &Path, wanted: Wanted) -> Result<Pressed, PressFailure> {
+/// Presses, from what a press much like it found if there is one, showing how far it is. Ctrl-C stops it.
+pub(super) fn press_scene(
+    loaded: &LoadedScene,
+    file: &Path,
+    wanted: Wanted,
+    near: Option<&Pressed>,
+) -> Result<Pressed, PressFailure> {
     let setup = press_setup(loaded).map_err(|error| PressFailure::of(error, file))?;
     let setup = if wanted.without_inclusions { setup.without_inclusions() } else { setup };
     let setup = if wanted.coarse { sketch(&setup) } else { setup };
     let asked = loaded.scene.press.as_ref().is_some_and(|press| press.estimate_error);
     let settings = PressSettings { estimate_error: asked && !wanted.coarse, ..PressSettings::default() };
     let progress = Progress::new(wanted.quiet);
-    let pressed = press(&setup, settings, &mut |stage| {
+    let pressed = press_near(&setup, near, settings, &mut |stage| {
         progress.observe(stage.done, stage.what);
         !cancel::requested()
     });

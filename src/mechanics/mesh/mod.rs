@@ -23,7 +23,6 @@ pub mod shapes;
 #[cfg(test)]
 mod tests;
 
-pub use builder::MOST_ELEMENTS;
 pub use error::MeshError;
 pub use inclusion::{InclusionShape, Star};
 pub use lines::Lines;

@@ -1,6 +1,6 @@
 //! Error of a press, from a second one on a coarser mesh, and from a third by a rounder edge.
 
-use super::run::{JUDGED_SHARE, is_judged, press_once};
+use super::run::{JUDGED_SHARE, Ready, is_judged};
 use super::{ContactPoint, Load, PressError, Pressed, SensorBody, Setup};
 use crate::mechanics::contact::Profile;
 use crate::mechanics::kinematics::Kinematics;
@@ -64,15 +64,19 @@ impl Shares {
 /// Force below which a press bears nothing, as a share of the largest.
 pub const NOTHING: f64 = 1e-6;
 
-/// Presses again at the depths that were reached and books the errors.
+/// Presses again at the depths that were reached, unless `coarse` is such a press, and books the errors.
 pub(super) fn estimate(
     pressed: &mut Pressed,
+    coarse: Option<Pressed>,
     method: Option<Method>,
     observe: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), PressError> {
     let rounder = pressed.setup.coarsened().twice_rounded();
     let parts = if rounder.is_some() { 2.0 } else { 1.0 };
-    let coarse = again(pressed, pressed.setup.coarsened(), method, &mut |done| observe(done / parts))?;
+    let coarse = match coarse {
+        Some(coarse) => coarse,
+        None => again(pressed, pressed.setup.coarsened(), method, &mut |done| observe(done / parts))?,
+    };
     let rounder = match rounder {
         Some(setup) => again(pressed, setup, method, &mut |done| observe((1.0 + done) / parts))?.steps,
         None => Vec::new(),
@@ -108,7 +112,7 @@ fn again(
     if !matches!(setup.load, Load::Path(_)) {
         setup.load = Load::Depths(pressed.steps.iter().map(|step| step.depth_mm).collect());
     }
-    match press_once(&setup, method, observe) {
+    match Ready::new(&setup, method)?.press(Some(pressed), observe) {
         Err(PressError::Stopped { reached, .. }) => Ok(*reached),
         outcome => outcome,
     }

@@ -1,5 +1,6 @@
 //! Brings a press to the asked depths or forces.
 
+use super::carry::Guesses;
 use super::setup::length_mm;
 use super::{Load, Pose, Setup, contact_points};
 use crate::mechanics::newton::Solver;
@@ -18,10 +19,11 @@ const FORCE_TOLERANCE: f64 = 1e-6;
 /// Presses tried for a force.
 const TRIES: usize = 40;
 
-/// Follows the asked loads, handing over each as it is reached.
+/// Follows the asked loads, handing over each as it is reached. Depths of which there is a guess are tried at once.
 pub(super) fn march(
     solver: &mut Solver,
     setup: &Setup,
+    guesses: &Guesses,
     observe: &mut dyn FnMut(f64) -> bool,
     reached: &mut dyn FnMut(Reached),
 ) -> Result<(), PathError> {
@@ -59,6 +61,19 @@ pub(super) fn march(
                 }
                 _ => pose.depth_mm,
             };
+            if !observe(state.load / whole) {
+                return Err(PathError::Stopped);
+            }
+            // The guess of the load itself; if it fails, those on the way.
+            let known = guesses.between(state.load, target);
+            let way = if known.len() > 1 { known.as_slice() } else { &[] };
+            for load in known.last().into_iter().chain(way) {
+                let guess = guesses.at(&state, *load).filter(|_| state.load < target);
+                let Some(next) = guess.and_then(|guess| solver.step(&state, &guess, *load, false).ok()) else {
+                    continue;
+                };
+                last = Some(std::mem::replace(&mut state, next));
+            }
             state = follow(solver, state, &mut last, &[target], &mut |load| observe(load / whole))?;
         }
         // A line through states whose faces slid, drawn on by as much again, costs more than it spares.

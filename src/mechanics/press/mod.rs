@@ -3,6 +3,7 @@
 //! The phantom's base moves towards the sensor, whose glass stands still; the load factor is that motion in mm.
 
 pub mod assembly;
+mod carry;
 pub mod contact_curve;
 mod cost;
 mod error;
@@ -18,7 +19,7 @@ pub use contact_curve::{ContactPoint, contact_points};
 pub use cost::Cost;
 pub use error::PressError;
 pub use error_estimate::{PressureError, Rounding};
-pub use run::{PressSettings, PressStage, PressStep, Pressed, press};
+pub use run::{PressSettings, PressStage, PressStep, Pressed, press, press_near};
 pub use setup::{Load, Pose, SensorBody, Setup};
 
 #[cfg(test)]

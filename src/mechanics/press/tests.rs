@@ -220,3 +220,47 @@ fn light_rubbing_lies_between_sliding_and_sticking() {
     let [sliding, rubbing, tied] = [Grip::Frictionless, Grip::Coulomb(0.05), Grip::Bonded].map(force);
     assert!(sliding < rubbing && rubbing < tied, "{sliding} {rubbing} {tied}");
 }
+
+/// What was pressed before is a guess, not a part of the answer.
+#[test]
+fn a_press_near_another_is_the_same_press_in_fewer_iterations() {
+    let setup = |grip: Grip, [diameter, top, youngs]: [f64; 3]| {
+        let mut setup = phantom(Some([diameter, top, youngs]), true, false, &[2.0, 4.0]);
+        setup.phantom.resolution.subdivision = 1;
+        setup.grip = grip;
+        if let SensorBody::Layers { edge_radius_mm, .. } = &mut setup.sensor {
+            *edge_radius_mm = if grip == Grip::Bonded { 0.0 } else { 0.5 };
+        }
+        setup
+    };
+    for grip in [Grip::Bonded, Grip::Frictionless] {
+        let before = pressed(&setup(grip, [6.0, 6.0, 60.0]));
+        let wanted = setup(grip, [8.0, 5.0, 120.0]);
+        let near = press_near(&wanted, Some(&before), PressSettings::default(), &mut |_| true).unwrap();
+        let mut along = wanted.clone();
+        along.load = Load::Path([2.0, 4.0].map(|depth_mm| Pose { depth_mm, ..Pose::default() }).to_vec());
+        let alone = pressed(&along);
+        println!("{grip:?}: {} iterations near another, {} alone", near.iterations, alone.iterations);
+        assert!(10 * near.iterations <= 8 * alone.iterations, "{} of {}", near.iterations, alone.iterations);
+        for (near, alone) in near.steps.iter().zip(&alone.steps) {
+            assert!((near.force_n / alone.force_n - 1.0).abs() < 1e-7, "{} {}", near.force_n, alone.force_n);
+            let apart = near.state.displacement.iter().flatten().zip(alone.state.displacement.iter().flatten());
+            let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-6, "{apart} mm");
+        }
+    }
+}
+
+#[test]
+fn a_guess_that_leads_nowhere_changes_nothing() {
+    let setup = phantom(Some([8.0, 5.0, 120.0]), true, false, &[2.0]);
+    let mut wrong = pressed(&setup);
+    let force_n = wrong.steps[0].force_n;
+    wrong.steps[0].state.displacement.iter_mut().flatten().enumerate().for_each(|(k, u)| *u *= -((k % 7) as f64));
+    let near = press_near(&setup, Some(&wrong), PressSettings::default(), &mut |_| true).unwrap();
+    assert!((near.steps[0].force_n / force_n - 1.0).abs() < 1e-9);
+    // Nor does a press of other bodies.
+    let rigid = pressed(&phantom(None, false, false, &[2.0]));
+    let near = press_near(&setup, Some(&rigid), PressSettings::default(), &mut |_| true).unwrap();
+    assert!((near.steps[0].force_n / force_n - 1.0).abs() < 1e-9);
+}

@@ -145,4 +145,26 @@ mod tests {
         // Where nothing is pressed nothing moves: the two faces of the glass.
         assert!(default.relief(0).is_none() && default.relief(1).is_none());
     }
+
+    #[test]
+    fn the_slope_at_the_outline_does_not_follow_the_elements_that_pass_it() {
+        let mut loaded = crate::scene::preset("phantom-size-8mm").unwrap();
+        let depths = [1.5, 1.75, 2.0, 2.25, 2.5];
+        loaded.scene.press.as_mut().unwrap().depths_mm = Some(depths.to_vec());
+        let setup = press_setup(&loaded).unwrap();
+        let pressed = press(&setup, PressSettings::default(), &mut |_| true).unwrap();
+        // The tissue bulges, and its singular edge with it, by an element of 0.15 mm over these depths.
+        let per_depth: Vec<f64> = pressed
+            .steps
+            .iter()
+            .map(|step| {
+                let surface = pressed_surface(&loaded, &pressed, step).unwrap();
+                surface.relief(4).unwrap().at(15.0, 0.0)[1] / step.depth_mm
+            })
+            .collect();
+        for three in per_depth.windows(3) {
+            let bend = (three[0] - 2.0 * three[1] + three[2]) / three[1];
+            assert!(bend.abs() < 0.02, "{bend} of {per_depth:?}");
+        }
+    }
 }
