@@ -83,6 +83,10 @@ esac
 export TIRTOUCH_REQUIRE_GPU=1
 # Mesa's device selection would write a warning on standard error, which some tests read.
 export NODEVICE_SELECT=1
+# More tests at once than cores: one that waits for a driver's compiler, which uses one core, leaves the others to the
+# rest, and on a busy machine the suite gets its share.
+cores="$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)"
+export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$((cores + 4))}"
 
 run() {
     say "$*"

@@ -74,7 +74,7 @@ impl<'a> Body<'a> {
         let mut shape = Shape::at(dim, xi);
         for _ in 0..STEPS {
             let mut off = [0.0; 3];
-            let mut slope = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]];
+            let mut slope = [[0.0; 3]; 3];
             (dim..3).for_each(|i| slope[i][i] = 1.0);
             (0..dim).for_each(|i| off[i] = at[i]);
             for (a, &node) in nodes.iter().enumerate() {
@@ -118,12 +118,9 @@ const COARSER: f64 = 0.6;
 impl Guesses {
     pub const NONE: Self = Self { states: Vec::new(), steps: false };
 
-    /// Those of a press, where a state does not depend on the way that led to it.
+    /// Those of a press.
     pub fn of(near: &Pressed, to: &Assembly) -> Self {
         let problem = &to.problem;
-        if problem.rubs() || problem.materials.iter().any(|material| !material.relaxation.is_empty()) {
-            return Self::NONE;
-        }
         let elements = |assembly: &Assembly| assembly.problem.mesh.element_count() as f64;
         let coarser = elements(&near.assembly) < COARSER * elements(to);
         let carried = Carrier::new(&near.assembly, to);

@@ -91,7 +91,8 @@ pub fn press(
 }
 
 /// As [`press`], and starts at each depth from what another press, of a phantom much like it, found there. It takes a
-/// third of the iterations where one does, and is the same press to within what balance asks for.
+/// third of the iterations where one does. The state is as well balanced; where a deep press has several, in which the
+/// elements beside the sensor's wall fold differently, it may be another one (docs/decisions/warm-starts.md).
 ///
 /// # Errors
 /// As [`press`].
@@ -102,39 +103,52 @@ pub fn press_near(
     observe: &mut dyn FnMut(PressStage) -> bool,
 ) -> Result<Pressed, PressError> {
     let ready = Ready::new(setup, settings.method)?;
-    // Faces that slide first find each other on a coarser mesh. What is to estimate the error may do so too.
-    let coarse_first = near.is_none()
-        && matches!(setup.load, Load::Depths(_))
-        && (settings.estimate_error || (ready.assembly.problem.slides() && !ready.assembly.problem.rubs()));
-    let parts = if settings.estimate_error || coarse_first { 0.75 } else { 1.0 };
-    let first = if coarse_first { 1.0 - parts } else { 0.0 };
     let what = if settings.estimate_error { "estimating the error" } else { "pressing on a coarser mesh" };
     let start = Instant::now();
-    let mut coarse = match coarse_first.then(|| Ready::new(&halfway(&setup.coarsened()), settings.method)) {
-        None => None,
-        Some(Err(error)) if settings.estimate_error => return Err(error),
-        Some(Err(_)) => None,
-        Some(Ok(ready)) => match ready.press(None, &mut |done| observe(PressStage { done: first * done, what })) {
-            Err(PressError::Stopped { reached, .. }) => Some(*reached),
-            pressed => Some(pressed?),
-        },
+    // Faces that slide first find each other on a coarser mesh. What is to estimate the error may do so too.
+    let wanted = settings.estimate_error || ready.assembly.problem.slides();
+    let leads = near.is_none() && wanted && ready.takes_guesses();
+    let first = if leads { 0.25 } else { 0.0 };
+    let mut coarse = if leads {
+        coarser(setup, settings, &mut |done| observe(PressStage { done: first * done, what }))?
+    } else {
+        None
     };
-    let mut before = start.elapsed().as_secs_f64();
+    let before = start.elapsed().as_secs_f64();
+    let last = if settings.estimate_error && !leads { 0.25 } else { 0.0 };
+    let share = 1.0 - first - last;
     let mut pressed = ready.press(near.or(coarse.as_ref()), &mut |done| {
-        observe(PressStage { done: first + parts * done, what: "pressing" })
+        observe(PressStage { done: first + share * done, what: "pressing" })
     })?;
-    if settings.estimate_error {
-        let start = Instant::now();
-        let asked = |step: &PressStep| pressed.steps.iter().any(|asked| asked.depth_mm == step.depth_mm);
-        coarse.iter_mut().for_each(|coarse| coarse.steps.retain(asked));
-        let left = 1.0 - first - parts;
-        let observe = &mut |done| observe(PressStage { done: first + parts + left * done, what });
-        error_estimate::estimate(&mut pressed, coarse, settings.method, observe)?;
-        pressed.error_seconds = before + start.elapsed().as_secs_f64();
-        before = 0.0;
+    if !settings.estimate_error {
+        pressed.seconds += before;
+        return Ok(pressed);
     }
-    pressed.seconds += before;
+    let start = Instant::now();
+    let asked = |step: &PressStep| pressed.steps.iter().any(|asked| asked.depth_mm == step.depth_mm);
+    coarse.iter_mut().for_each(|coarse| coarse.steps.retain(asked));
+    let observe = &mut |done| observe(PressStage { done: first + share + last * done, what });
+    error_estimate::estimate(&mut pressed, coarse, settings.method, observe)?;
+    pressed.error_seconds = before + start.elapsed().as_secs_f64();
     Ok(pressed)
+}
+
+/// The press on the next coarser mesh, read halfway to far depths too, as far as it comes. Where there is no such mesh
+/// an error cannot be estimated.
+fn coarser(
+    setup: &Setup,
+    settings: PressSettings,
+    observe: &mut dyn FnMut(f64) -> bool,
+) -> Result<Option<Pressed>, PressError> {
+    let ready = match Ready::new(&halfway(&setup.coarsened()), settings.method) {
+        Err(error) if settings.estimate_error => return Err(error),
+        Err(_) => return Ok(None),
+        Ok(ready) => ready,
+    };
+    match ready.press(None, observe) {
+        Err(PressError::Stopped { reached, .. }) => Ok(Some(*reached)),
+        pressed => pressed.map(Some),
+    }
 }
 
 /// A press that is also read halfway to each depth that lies more than a millimetre beyond the one before.
@@ -167,11 +181,18 @@ impl Ready {
         Ok(Self { setup: setup.clone(), assembly, method: cost.method, meshing: start.elapsed() })
     }
 
+    /// Whether a state depends on its depth alone, not on the way there.
+    fn takes_guesses(&self) -> bool {
+        let problem = &self.assembly.problem;
+        let elastic = problem.materials.iter().all(|material| material.relaxation.is_empty());
+        matches!(self.setup.load, Load::Depths(_)) && elastic && !problem.rubs()
+    }
+
     /// One press on one mesh; `near` has guesses for it.
     pub fn press(self, near: Option<&Pressed>, observe: &mut dyn FnMut(f64) -> bool) -> Result<Pressed, PressError> {
-        let Self { setup, assembly, method, meshing } = self;
         let start = Instant::now();
-        let near = near.filter(|_| matches!(setup.load, Load::Depths(_)));
+        let near = near.filter(|_| self.takes_guesses());
+        let Self { setup, assembly, method, meshing } = self;
         let guesses = near.map_or(Guesses::NONE, |near| Guesses::of(near, &assembly));
         let mut solver = Solver::new(&assembly.problem, method);
         let mut steps = Vec::new();
