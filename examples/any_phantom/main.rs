@@ -151,7 +151,7 @@ fn meshes(arguments: &Arguments) -> Result<()> {
 fn near(arguments: &Arguments) -> Result<()> {
     let settings = PressSettings::default();
     let mut before: Option<Pressed> = None;
-    let (mut shares, mut seconds, mut apart) = (Vec::new(), [0.0; 2], Vec::new());
+    let (mut shares, mut seconds, mut iterations, mut apart) = (Vec::new(), [0.0; 2], [0; 2], Vec::new());
     for number in arguments.first..arguments.first + arguments.phantoms {
         let drawn = Drawn { depths_mm: NEAR_DEPTHS_MM.to_vec(), ..Drawn::new(arguments.seed, number) };
         let setup = press_setup(&drawn.scene(arguments)?)?;
@@ -163,6 +163,7 @@ fn near(arguments: &Arguments) -> Result<()> {
         };
         if before.is_some() {
             shares.push(near.iterations as f64 / alone.iterations as f64);
+            iterations = [iterations[0] + alone.iterations, iterations[1] + near.iterations];
             (seconds[0], seconds[1]) = (seconds[0] + alone.seconds, seconds[1] + near.seconds);
             let forces = alone.steps.iter().zip(&near.steps).map(|(a, b)| (b.force_n / a.force_n - 1.0).abs());
             let off = forces.fold(0.0, f64::max);
@@ -181,11 +182,13 @@ fn near(arguments: &Arguments) -> Result<()> {
     apart.sort_by(f64::total_cmp);
     let at = |of: &[f64], share: f64| of.get((share * (of.len() as f64 - 1.0)) as usize).copied().unwrap_or(f64::NAN);
     println!(
-        "{} phantoms, seconds {:.1} alone and {:.1} near; iterations near over alone: median {:.2}, 95 % {:.2}, most {:.2}; \
+        "{} phantoms, seconds {:.1} alone and {:.1} near, iterations {} and {}; near over alone: median {:.2}, 95 % {:.2}, most {:.2}; \
          forces apart: median {:.1e}, 95 % {:.1e}, most {:.1e}",
         shares.len(),
         seconds[0],
         seconds[1],
+        iterations[0],
+        iterations[1],
         at(&shares, 0.5),
         at(&shares, 0.95),
         at(&shares, 1.0),

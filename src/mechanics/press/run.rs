@@ -90,8 +90,8 @@ pub fn press(
     press_near(setup, None, settings, observe)
 }
 
-/// As [`press`], and starts at each depth from what another press, of a phantom much like it, found there. It takes a
-/// third of the iterations where one does. The state is as well balanced; where a deep press has several, in which the
+/// As [`press`], and starts at each depth from what another press found there, that of a phantom like it: half as many
+/// iterations, a third or fewer where the two are much alike. The state is as well balanced; where a deep press has several, in which the
 /// elements beside the sensor's wall fold differently, it may be another one (docs/decisions/warm-starts.md).
 ///
 /// # Errors
@@ -105,19 +105,20 @@ pub fn press_near(
     let ready = Ready::new(setup, settings.method)?;
     let what = if settings.estimate_error { "estimating the error" } else { "pressing on a coarser mesh" };
     let start = Instant::now();
-    // Faces that slide first find each other on a coarser mesh. What is to estimate the error may do so too.
-    let wanted = settings.estimate_error || ready.assembly.problem.slides();
-    let leads = near.is_none() && wanted && ready.takes_guesses();
+    // Faces that slide first find each other on a coarser mesh: what touches on another phantom is too far from what does
+    // on this one. What is to estimate the error may come first too.
+    let slides = ready.assembly.problem.slides();
+    let leads = ready.takes_guesses() && (slides || (settings.estimate_error && near.is_none()));
     let first = if leads { 0.25 } else { 0.0 };
     let mut coarse = if leads {
-        coarser(setup, settings, &mut |done| observe(PressStage { done: first * done, what }))?
+        coarser(setup, near, settings, &mut |done| observe(PressStage { done: first * done, what }))?
     } else {
         None
     };
     let before = start.elapsed().as_secs_f64();
     let last = if settings.estimate_error && !leads { 0.25 } else { 0.0 };
     let share = 1.0 - first - last;
-    let mut pressed = ready.press(near.or(coarse.as_ref()), &mut |done| {
+    let mut pressed = ready.press(coarse.as_ref().or(near), &mut |done| {
         observe(PressStage { done: first + share * done, what: "pressing" })
     })?;
     if !settings.estimate_error {
@@ -133,10 +134,11 @@ pub fn press_near(
     Ok(pressed)
 }
 
-/// The press on the next coarser mesh, read halfway to far depths too, as far as it comes. Where there is no such mesh
+/// The press on the next coarser mesh, read halfway to far depths too, as far as it comes; `near` is for it. Where there is no such mesh
 /// an error cannot be estimated.
 fn coarser(
     setup: &Setup,
+    near: Option<&Pressed>,
     settings: PressSettings,
     observe: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Option<Pressed>, PressError> {
@@ -145,7 +147,7 @@ fn coarser(
         Err(_) => return Ok(None),
         Ok(ready) => ready,
     };
-    match ready.press(None, observe) {
+    match ready.press(near, observe) {
         Err(PressError::Stopped { reached, .. }) => Ok(Some(*reached)),
         pressed => pressed.map(Some),
     }
