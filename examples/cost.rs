@@ -13,7 +13,7 @@ use tirtouch::scene::{LoadedScene, Pressure, Shape, preset};
 use tirtouch::surface::{contact_map, surface};
 use tirtouch::trace::cpu::camera::View;
 use tirtouch::trace::cpu::{Limits, Path, book};
-use tirtouch::trace::{Model, Settings, render};
+use tirtouch::trace::{BackendChoice, Devices, Model, Precision, Settings, render};
 
 #[derive(Parser)]
 struct Arguments {
@@ -165,6 +165,7 @@ fn lanes(scene: &str) -> Result<()> {
 }
 
 fn climb(ladder: &Ladder, rounds: usize) -> Result<()> {
+    let devices = Devices::open(BackendChoice::Auto, Precision::F32)?;
     let mut timed: BTreeMap<usize, Vec<[f64; 5]>> = BTreeMap::new();
     let mut models = Vec::new();
     for &size in ladder.sizes {
@@ -177,7 +178,7 @@ fn climb(ladder: &Ladder, rounds: usize) -> Result<()> {
     }
     for _ in 0..rounds {
         for (k, (model, settings)) in models.iter().enumerate() {
-            let outcome = render(model, settings, &mut |_| true)?;
+            let outcome = render(&devices, model, settings, &mut |_| true)?;
             let times = outcome.times;
             let each = 1e9 * (times.photons + times.camera) / outcome.segments as f64;
             timed.entry(k).or_default().push([outcome.seconds, times.photons, times.map, times.camera, each]);

@@ -19,7 +19,7 @@ use tirtouch::mechanics::from_scene::press_setup;
 use tirtouch::mechanics::press::{PressSettings, press};
 use tirtouch::scene::{Camera, LoadedScene, preset};
 use tirtouch::surface::{contact_map, pressed_contact, pressed_surface, surface};
-use tirtouch::trace::{Backend, Model, Settings, render_on};
+use tirtouch::trace::{Backend, BackendChoice, Devices, Model, Precision, Settings, render_on};
 
 const THRESHOLD: f64 = 5.0;
 
@@ -84,7 +84,7 @@ impl Bench {
         };
         let model = Model::new(&loaded, &face, contact)?;
         let settings = Settings { spp: flags.spp, photons: flags.photons, ..Settings::of(&loaded.scene.render) };
-        let backend = Backend::open(settings.backend, settings.precision, &model)?.0;
+        let backend = Devices::open(BackendChoice::Auto, Precision::F32)?.load(&model)?;
         Ok(Self { loaded, model, backend, settings })
     }
 

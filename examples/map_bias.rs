@@ -18,7 +18,7 @@ use tirtouch::surface::{contact_map, surface};
 use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
 use tirtouch::trace::exitance::{Smoothing, TouchedFace};
 use tirtouch::trace::render::REPLICATES;
-use tirtouch::trace::{Backend, BackendChoice, Method, Model, Precision};
+use tirtouch::trace::{BackendChoice, Devices, Method, Model, Precision};
 
 /// A scene, the middle of its image, and the radius of what is looked at.
 struct Case {
@@ -80,7 +80,7 @@ fn measure(case: &Case, method: Method, texel_mm: f64, rounds: u32, raw: bool) -
     let spp = loaded.scene.render.spp;
     let work = Work { spp, photons: u64::from(whole[0]) * u64::from(whole[1]) * u64::from(spp) };
     let masks = masks(case, &loaded, &model);
-    let (mut backend, _) = Backend::open(BackendChoice::Auto, Precision::F32, &model)?;
+    let mut backend = Devices::open(BackendChoice::Auto, Precision::F32)?.load(&model)?;
     eprintln!(
         "{} {} {texel_mm} mm: {} photons a round, {}",
         case.scene,

@@ -17,10 +17,10 @@
 //! let model = trace::Model::new(&loaded, &shape, contact)?;
 //! let settings = trace::Settings {
 //!     photons: Some(1 << 16),
-//!     backend: trace::BackendChoice::Cpu,
 //!     ..trace::Settings::of(&loaded.scene.render)
 //! };
-//! let render = trace::render(&model, &settings, &mut |_| true)?;
+//! let devices = trace::Devices::open(trace::BackendChoice::Auto, trace::Precision::F32)?;
+//! let render = trace::render(&devices, &model, &settings, &mut |_| true)?;
 //! let frame = camera::expose(&render.film, &loaded.scene.camera, loaded.scene.light.wavelength_nm, 1)?;
 //! let image = estimate::GreyImage::from_frame(&frame)?;
 //! let paper = estimate::estimate(&image, &estimate::Settings::default());

@@ -10,7 +10,7 @@ use tirtouch::surface::{contact_map, pressed_contact, pressed_surface, surface};
 use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
 use tirtouch::trace::exitance::TouchedFace;
 use tirtouch::trace::render::REPLICATES;
-use tirtouch::trace::{Backend, BackendChoice, Method, Model, Precision};
+use tirtouch::trace::{Backend, BackendChoice, Devices, Method, Model, Precision};
 
 /// A scene and how its light is found.
 #[derive(Debug, Clone, Copy)]
@@ -67,7 +67,7 @@ impl Films {
                 continue;
             }
             if backend.is_none() {
-                backend = Some(Backend::open(BackendChoice::Auto, Precision::F32, &model)?.0);
+                backend = Some(Devices::open(BackendChoice::Auto, Precision::F32)?.load(&model)?);
             }
             let backend = backend.as_mut().context("a device")?;
             let replicates: Vec<f32> = render(&model, backend, case, seed, spp)?.concat();

@@ -6,7 +6,7 @@ use anyhow::Result;
 use std::time::Instant;
 use tirtouch::trace::backend::CameraMode;
 use tirtouch::trace::cpu::camera::FILM_UNIT;
-use tirtouch::trace::{Backend, BackendChoice, Precision};
+use tirtouch::trace::{Backend, BackendChoice, Devices, Precision};
 
 /// Paths per pixel in one round.
 pub const SPP: u32 = 8;
@@ -48,7 +48,7 @@ struct Traced {
 pub fn errors(dent: &Dent, candidates: &[Candidate], rounds: u32) -> Result<Images> {
     let mut backends = Vec::new();
     for candidate in candidates {
-        let (mut backend, _) = Backend::open(BackendChoice::Auto, Precision::F32, &candidate.model)?;
+        let mut backend = Devices::open(BackendChoice::Auto, Precision::F32)?.load(&candidate.model)?;
         // Compiles the kernel.
         backend.camera(CameraMode::Path, 0, [0, 64], [0, 1])?;
         backends.push(backend);

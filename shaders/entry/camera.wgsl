@@ -81,6 +81,7 @@ fn camera_path(pixel: u32) -> f32 {
 @compute @workgroup_size(64)
 fn camera(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= run.count) { return; }
+    read_scene();
     let pixel = run.first + id.x;
     var sum = Fixed(film[4u * pixel], film[4u * pixel + 1u]);
     segments = 0u;

@@ -33,6 +33,7 @@ fn enters_lens() -> bool {
 @compute @workgroup_size(64)
 fn photons(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= run.count) { return; }
+    read_scene();
     for (var b = 0u; b < 10u; b += 1u) { tally[b] = 0; }
     var s = 0u;
     loop {

@@ -18,6 +18,7 @@ fn put(row: u32, k: u32, v: f32) { events[row * EVENTS + k] = bitcast<u32>(v); }
 fn probe(@builtin(global_invocation_id) id: vec3u) {
     let row = id.x;
     if (row >= run.count) { return; }
+    read_scene();
     let steps = input(row, 7u);
     if (steps < 0.0) {
         put(row, 0u, reflectance(input(row, 0u), input(row, 1u), input(row, 2u)));

@@ -1,4 +1,4 @@
-// What the host gives: a `Scene` in the text, and a `Run` as a uniform.
+// What the host gives: a `Scene`, read from a buffer by `read_scene()`, and a `Run` as a uniform.
 // Lengths are mm. Directions are optical momenta p = n * (unit direction), so that p.xy is invariant across a flat
 // interface and n_t^2 - n_i^2, prepared in f64, decides refraction without cancellation.
 
@@ -54,8 +54,8 @@ struct Run {
     pad: u32,
 }
 
-// Layers, interfaces and LEDs are read through functions such as `face_z(i)`, which the host writes into the text with
-// the scene's numbers: a chain of selects over constants, on a CPU driver 1.4 times faster overall than a gather.
+// Layers, interfaces and LEDs are read through functions such as `face_z(i)`, which the host writes into the text: a
+// chain of selects over variables, on a CPU driver 1.4 times faster overall than a gather.
 @group(0) @binding(1) var<uniform> run: Run;
 
 override DEFORMED: bool = false;

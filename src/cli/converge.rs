@@ -10,8 +10,7 @@ use super::job::{guides_light, load_scene};
 use super::output::{RESULT, SCENE, described};
 use super::{Failure, Outcome, Talk, note, print};
 use crate::scene::LoadedScene;
-use crate::trace::gpu::Gpu;
-use crate::trace::{BackendChoice, Precision, Settings, TraceError};
+use crate::trace::{Devices, Precision, Settings};
 use clap::Args;
 use climb::Climb;
 use records::Records;
@@ -78,13 +77,9 @@ impl Converge {
         }
         let shrink = self.shrink.unwrap_or(if self.quick { 8 } else { 1 });
         shrink_camera(&mut loaded, shrink);
-        let backend = self.backend()?;
-        let settings = Settings {
-            seed: self.seed.unwrap_or(loaded.scene.render.seed),
-            backend,
-            precision: Precision::F32,
-            ..Settings::of(&loaded.scene.render)
-        };
+        let devices = self.devices()?;
+        let seed = self.seed.unwrap_or(loaded.scene.render.seed);
+        let settings = Settings { seed, ..Settings::of(&loaded.scene.render) };
         let most_spp = self.spp.unwrap_or(match self.quick {
             true => 64,
             false => loaded.scene.render.spp.saturating_mul(4).clamp(64, 16_384),
@@ -98,7 +93,7 @@ impl Converge {
             "most_spp": most_spp,
             "shrink": shrink,
             "seed": settings.seed,
-            "backend": format!("{backend:?}"),
+            "backend": if devices.is_gpu() { "Gpu" } else { "Cpu" },
             "version": env!("CARGO_PKG_VERSION"),
         });
         let records = Records::open(&place, &order, self.force, self.resume)?;
@@ -107,6 +102,7 @@ impl Converge {
             loaded: &loaded,
             file: &file,
             settings,
+            devices: &devices,
             most_spp,
             quick: self.quick,
             only: self.only,
@@ -126,21 +122,13 @@ impl Converge {
         Ok(Outcome::Done)
     }
 
-    /// The backend that is there.
-    fn backend(&self) -> Result<BackendChoice, Failure> {
-        if self.backend == Backend::Cpu {
-            return Ok(BackendChoice::Cpu);
+    /// What traces.
+    fn devices(&self) -> Result<Devices, Failure> {
+        let devices = Devices::open(self.backend.choice(), Precision::F32)?;
+        if let (Some(notice), false) = (devices.notice(), self.talk.quiet) {
+            note(notice);
         }
-        match Gpu::open() {
-            Ok(_) => Ok(BackendChoice::Gpu),
-            Err(TraceError::NoAdapter) if self.backend == Backend::Auto => {
-                if !self.talk.quiet {
-                    note("no GPU adapter found: the built-in CPU tracer runs instead");
-                }
-                Ok(BackendChoice::Cpu)
-            }
-            Err(error) => Err(error.into()),
-        }
+        Ok(devices)
     }
 }
 

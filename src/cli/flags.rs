@@ -2,7 +2,7 @@
 
 use super::Failure;
 use crate::scene::Integrator;
-use crate::trace::{self, BackendChoice, Settings};
+use crate::trace::{self, BackendChoice, Devices, Settings};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -83,43 +83,45 @@ pub enum Precision {
     F64,
 }
 
+impl Backend {
+    /// The tracer's word for it.
+    #[must_use]
+    pub fn choice(self) -> BackendChoice {
+        match self {
+            Self::Auto => BackendChoice::Auto,
+            Self::Gpu => BackendChoice::Gpu,
+            Self::Cpu => BackendChoice::Cpu,
+        }
+    }
+}
+
 impl Common {
-    /// The backend that these flags ask for together.
+    /// Opens what these flags ask for together.
     ///
     /// # Errors
-    /// When they ask for f64 on the GPU.
-    pub fn backend(&self) -> Result<Backend, Failure> {
-        match (self.backend, self.precision) {
+    /// When they ask for f64 on the GPU, or for a GPU that is not there.
+    pub fn devices(&self) -> Result<Devices, Failure> {
+        let precision = match (self.backend, self.precision) {
             (Backend::Gpu, Precision::F64) => {
-                Err(Failure::usage("the gpu computes in f32 only; f64 needs `--backend cpu`"))
+                return Err(Failure::usage("the gpu computes in f32 only; f64 needs `--backend cpu`"));
             }
-            (Backend::Auto, Precision::F64) => Ok(Backend::Cpu),
-            (backend, _) => Ok(backend),
-        }
+            (_, Precision::F32) => trace::Precision::F32,
+            (_, Precision::F64) => trace::Precision::F64,
+        };
+        Ok(Devices::open(self.backend.choice(), precision)?)
     }
 
     /// How to render a scene: its own settings where no flag says otherwise.
-    ///
-    /// # Errors
-    /// When they ask for f64 on the GPU.
-    pub fn settings(&self, scene: &crate::scene::Render) -> Result<Settings, Failure> {
-        Ok(Settings {
+    #[must_use]
+    pub fn settings(&self, scene: &crate::scene::Render) -> Settings {
+        Settings {
             integrator: self.integrator.unwrap_or(scene.integrator),
             spp: self.spp.unwrap_or(scene.spp),
             photons: self.photons.or(scene.photons),
             seconds: self.seconds,
             target_error: self.target_error,
             seed: self.seed.unwrap_or(scene.seed),
-            backend: match self.backend()? {
-                Backend::Auto => BackendChoice::Auto,
-                Backend::Gpu => BackendChoice::Gpu,
-                Backend::Cpu => BackendChoice::Cpu,
-            },
-            precision: match self.precision {
-                Precision::F32 => trace::Precision::F32,
-                Precision::F64 => trace::Precision::F64,
-            },
-        })
+        }
     }
 
     /// The folder to write, `out/NAME` unless one is given.
@@ -228,16 +230,14 @@ mod tests {
     #[test]
     fn flags_win_over_the_scene() {
         let scene = crate::scene::Render { spp: 9, photons: Some(7), seed: 5, ..Default::default() };
-        let settings = parse(&["--spp", "3", "--precision", "f64"]).unwrap().settings(&scene).unwrap();
+        let settings = parse(&["--spp", "3"]).unwrap().settings(&scene);
         assert_eq!((settings.spp, settings.photons, settings.seed), (3, Some(7), 5));
-        assert_eq!((settings.backend, settings.precision), (BackendChoice::Cpu, trace::Precision::F64));
     }
 
     #[test]
     fn f64_goes_to_the_cpu_and_never_to_the_gpu() {
-        assert_eq!(parse(&["--precision", "f64"]).unwrap().backend(), Ok(Backend::Cpu));
-        let refused = parse(&["--precision", "f64", "--backend", "gpu"]).unwrap().backend().unwrap_err();
+        assert!(!parse(&["--precision", "f64"]).unwrap().devices().unwrap().is_gpu());
+        let refused = parse(&["--precision", "f64", "--backend", "gpu"]).unwrap().devices().err().unwrap();
         assert_eq!(refused.code(), 2);
-        assert_eq!(parse(&["--backend", "gpu"]).unwrap().backend(), Ok(Backend::Gpu));
     }
 }

@@ -12,7 +12,7 @@ use crate::scene::LoadedScene;
 use crate::streams::{Role, Streams};
 use crate::surface::Surface;
 use crate::trace::gains::{Gain, gains};
-use crate::trace::{Backend, BackendChoice, Kernel, Method, Plan, Precision, Settings};
+use crate::trace::{Kernel, Method, Plan, Settings};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -70,8 +70,12 @@ impl Inspect {
         let job = Job::sketch(&self.scene)?;
         let kernel = Kernel::of(&job.model);
         let plan = Plan::choose(job.settings.integrator, &kernel)?;
-        let device = match Backend::open(BackendChoice::Auto, Precision::F32, &job.model) {
-            Ok((backend, notice)) => Device { backend: Some(backend.name()), adapter: backend.adapter(), notice },
+        let device = match job.devices.load(&job.model) {
+            Ok(backend) => Device {
+                backend: Some(backend.name()),
+                adapter: backend.adapter(),
+                notice: job.devices.notice().map(str::to_owned),
+            },
             Err(error) => {
                 Device { backend: None, adapter: "none that can do it".into(), notice: Some(error.to_string()) }
             }
@@ -116,7 +120,7 @@ impl Inspect {
         let settings = Settings { spp, photons, ..job.settings.clone() };
         let other = Streams { role: Role::Timing, ..job.streams.clone() };
         let progress = Progress::new(self.talk.quiet);
-        Ok(gains(&model, &settings, other.light(), self.rounds, &mut |stage| {
+        Ok(gains(&job.devices, &model, &settings, other.light(), self.rounds, &mut |stage| {
             progress.observe(stage.done, stage.what);
             !cancel::requested()
         })?)

@@ -8,7 +8,7 @@ use crate::mechanics::press::{PressStep, Pressed};
 use crate::scene::{LoadedScene, PRESETS, Scene, SceneError, load, preset};
 use crate::streams::{Role, Sharing, Streams};
 use crate::surface::{ContactMap, Surface, SurfaceError, contact_map, pressed_contact, pressed_surface, surface};
-use crate::trace::{Kernel, Model, Outcome, Plan, Settings, render};
+use crate::trace::{Devices, Kernel, Model, Outcome, Plan, Settings, render};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Instant;
@@ -24,6 +24,8 @@ pub(super) struct Job {
     pub surface: Surface,
     pub contact: Option<ContactMap>,
     pub model: Model<f64>,
+    /// What traces it.
+    pub devices: Devices,
     /// How it is traced; its seed is that of the image's own stream.
     pub settings: Settings,
     /// The random numbers that it draws.
@@ -55,6 +57,7 @@ pub(super) fn guides_light(loaded: &LoadedScene, file: &Path) -> Result<(), Fail
 /// A scene and how it is wanted, before any work.
 pub(super) struct Order {
     loaded: LoadedScene,
+    devices: Devices,
     settings: Settings,
     sharing: Sharing,
     file: PathBuf,
@@ -72,13 +75,13 @@ impl Order {
 
     fn new(source: &Path, common: &Common, wanted: Wanted) -> Result<Self, Failure> {
         let (loaded, file) = load_scene(source)?;
-        let settings = common.settings(&loaded.scene.render)?;
+        let settings = common.settings(&loaded.scene.render);
         if wanted.without_inclusions && loaded.scene.press.is_none() {
             let message = format!("{}: --without-inclusions needs a scene with a [press]", file.display());
             return Err(Failure::usage(message).in_file(&file));
         }
         let sharing = if common.common_random_numbers { Sharing::Common } else { Sharing::Own };
-        Ok(Self { loaded, settings, sharing, file, wanted })
+        Ok(Self { loaded, devices: common.devices()?, settings, sharing, file, wanted })
     }
 
     /// Name of the scene.
@@ -88,7 +91,7 @@ impl Order {
 
     /// Presses the scene's phantom, if it has one. The job is that of the last load.
     pub fn prepare(self) -> Result<Job, Failure> {
-        let Self { loaded, settings, sharing, file, wanted } = self;
+        let Self { loaded, devices, settings, sharing, file, wanted } = self;
         let role = if wanted.without_inclusions { Role::WithoutInclusions } else { Role::Image };
         let streams = Streams { sharing, ..Streams::new(settings.seed, &*loaded.sha256, role) };
         let press = match loaded.scene.press {
@@ -97,7 +100,7 @@ impl Order {
         };
         let press = press.and_then(|pressed| Some((pressed.clone(), pressed.steps.len().checked_sub(1)?)));
         let load = press.as_ref().map_or(0, |(_, load)| *load);
-        Job::build(loaded, press, settings, Streams { load, ..streams }, file)
+        Job::build(loaded, devices, press, settings, Streams { load, ..streams }, file)
     }
 }
 
@@ -112,7 +115,7 @@ impl Job {
     pub fn at_step(&self, step: usize) -> Result<Self, Failure> {
         let press = self.press.as_ref().map(|(pressed, _)| (pressed.clone(), step));
         let streams = Streams { load: step, ..self.streams.clone() };
-        Self::build(self.loaded.clone(), press, self.settings.clone(), streams, self.file.clone())
+        Self::build(self.loaded.clone(), self.devices.clone(), press, self.settings.clone(), streams, self.file.clone())
     }
 
     /// The job of the same load without inclusions, with random numbers of its own.
@@ -137,11 +140,13 @@ impl Job {
         let pressed = Rc::new(press_scene(&loaded, file, wanted, Some(pressed)).map_err(|stopped| stopped.failure)?);
         let streams = Streams { role: Role::Baseline, ..self.streams.clone() };
         let last = pressed.steps.len().saturating_sub(1);
-        Self::build(loaded, Some((pressed, last)), self.settings.clone(), streams, file.clone())
+        let (devices, press) = (self.devices.clone(), Some((pressed, last)));
+        Self::build(loaded, devices, press, self.settings.clone(), streams, file.clone())
     }
 
     fn build(
         loaded: LoadedScene,
+        devices: Devices,
         press: Option<(Rc<Pressed>, usize)>,
         settings: Settings,
         streams: Streams,
@@ -166,7 +171,7 @@ impl Job {
         let model = Model::new(&loaded, &surface, contact.clone()).map_err(place)?;
         Plan::choose(settings.integrator, &Kernel::of(&model))?;
         let surface_seconds = start.elapsed().as_secs_f64();
-        Ok(Self { loaded, press, surface, contact, model, settings, streams, surface_seconds, file })
+        Ok(Self { loaded, press, surface, contact, model, devices, settings, streams, surface_seconds, file })
     }
 
     /// The press and the load that is traced.
@@ -195,7 +200,7 @@ impl Job {
     /// Traces the image, showing how far it is. Ctrl-C stops it.
     pub fn trace(&self, quiet: bool) -> Result<Outcome, Failure> {
         let progress = Progress::new(quiet);
-        let outcome = render(&self.model, &self.settings, &mut |stage| {
+        let outcome = render(&self.devices, &self.model, &self.settings, &mut |stage| {
             progress.observe(stage.done, stage.what);
             !cancel::requested()
         })?;
@@ -229,14 +234,14 @@ fn with_hint(source: &Path, error: SceneError) -> Failure {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::trace::BackendChoice;
+    use crate::trace::Precision;
 
     /// The same job under another seed, few paths and photons on the CPU.
     fn reseeded(job: &Job, seed: u32, sharing: Sharing) -> Job {
-        let settings =
-            Settings { spp: 16, photons: Some(1 << 14), backend: BackendChoice::Cpu, ..job.settings.clone() };
+        let settings = Settings { spp: 16, photons: Some(1 << 14), ..job.settings.clone() };
+        let devices = Devices::cpu(Precision::F32);
         let streams = Streams { seed, sharing, ..job.streams.clone() };
-        Job::build(job.loaded.clone(), job.press.clone(), settings, streams, job.file.clone()).unwrap()
+        Job::build(job.loaded.clone(), devices, job.press.clone(), settings, streams, job.file.clone()).unwrap()
     }
 
     /// Noise of an image: the difference of those of two seeds.

@@ -6,9 +6,7 @@ use crate::mechanics::press::{PressStep, Pressed};
 use crate::scene::{Integrator, LoadedScene};
 use crate::streams::{Role, Streams};
 use crate::surface::{SurfaceError, contact_map, pressed_contact, pressed_surface, surface};
-use crate::trace::{
-    BackendChoice, Kernel, Method, Model, Outcome, Plan, Precision, Settings, Stage, TraceError, render,
-};
+use crate::trace::{Devices, Kernel, Method, Model, Outcome, Plan, Precision, Settings, Stage, TraceError, render};
 use thiserror::Error;
 
 /// Fewest camera paths a pixel: a render has 16 replicates.
@@ -35,8 +33,10 @@ pub struct Subject<'a> {
     pub loaded: &'a LoadedScene,
     /// Its press and the load that is traced, where it has one.
     pub press: Option<(&'a Pressed, &'a PressStep)>,
-    /// What is asked of the backend.
+    /// What is asked of the light; work and method are the rungs'.
     pub settings: Settings,
+    /// What traces it.
+    pub devices: &'a Devices,
     /// Highest number of samples.
     pub most_spp: u32,
     /// Runs of each rung.
@@ -64,8 +64,8 @@ pub struct Choice {
     pub texel_mm: f64,
     /// Points of height fields.
     pub points: u32,
-    /// Backend and arithmetic.
-    pub backend: (BackendChoice, Precision),
+    /// The built-in tracer in this precision, in place of what else traces.
+    pub twin: Option<Precision>,
     /// Whether a run without flags takes these.
     pub is_default: bool,
 }
@@ -96,7 +96,7 @@ impl Subject<'_> {
             integrator: render.integrator,
             texel_mm: render.map_texel_mm,
             points: render.height_field_points,
-            backend: (self.settings.backend, self.settings.precision),
+            twin: None,
             is_default: false,
         }
     }
@@ -193,18 +193,17 @@ impl Subject<'_> {
 
     /// The same image in f32 and f64 on the CPU, and on the GPU where that is what is asked for.
     fn precisions(&self, default: &Choice, chosen: Method) -> Vec<Choice> {
-        let cpu = [(BackendChoice::Cpu, Precision::F32, "cpu f32"), (BackendChoice::Cpu, Precision::F64, "cpu f64")];
-        let gpu =
-            (self.settings.backend == BackendChoice::Gpu).then_some((BackendChoice::Gpu, Precision::F32, "gpu f32"));
-        let choice = |(backend, precision, name): (BackendChoice, Precision, &str)| Choice {
+        let is_gpu = self.devices.is_gpu();
+        let cpu = [(Some(Precision::F32), "cpu f32"), (Some(Precision::F64), "cpu f64")];
+        let choice = |(twin, name): (Option<Precision>, &str)| Choice {
             family: "precision",
             series: name.into(),
             setting: format!("{name}, {}", chosen.name()),
-            backend: (backend, precision),
-            is_default: (backend, precision) == default.backend,
+            twin,
+            is_default: twin == (!is_gpu).then_some(Precision::F32),
             ..default.clone()
         };
-        gpu.into_iter().chain(cpu).map(choice).collect()
+        is_gpu.then_some((None, "gpu f32")).into_iter().chain(cpu).map(choice).collect()
     }
 
     fn render(
@@ -223,10 +222,9 @@ impl Subject<'_> {
             seconds: None,
             target_error: None,
             seed: Streams::new(self.settings.seed, &*self.loaded.sha256, role).light(),
-            backend: choice.backend.0,
-            precision: choice.backend.1,
         };
-        Ok(render(&model, &settings, observe)?)
+        let twin = choice.twin.map(Devices::cpu);
+        Ok(render(twin.as_ref().unwrap_or(self.devices), &model, &settings, observe)?)
     }
 
     /// Renders the reference.

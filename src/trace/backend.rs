@@ -2,10 +2,11 @@
 
 use super::cpu::{self, Limits, book, camera::View, photons::Deposits};
 use super::finite;
-use super::gpu::GpuTracer;
 use super::gpu::assemble::Entry;
+use super::gpu::{Gpu, GpuTracer};
 use super::model::{Model, Real};
 use super::plan::Method;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use thiserror::Error;
 
@@ -163,14 +164,82 @@ impl Fates {
     }
 }
 
+/// What traces: devices that stay open from image to image, with the kernels built on them, or the built-in tracer.
+#[derive(Clone)]
+pub struct Devices {
+    precision: Precision,
+    /// One for camera paths, one for photons: llvmpipe compiles in a device's queue, so two compile two kernels at once.
+    gpus: Option<[Arc<Gpu>; 2]>,
+    notice: Option<String>,
+}
+
+impl Devices {
+    /// Opens what is asked for. f64 is computed by the built-in tracer alone.
+    ///
+    /// # Errors
+    /// `NoAdapter` where a GPU is asked for and none is there; what a driver says.
+    pub fn open(choice: BackendChoice, precision: Precision) -> Result<Self, TraceError> {
+        let cpu = Self::cpu(precision);
+        let gpus = || {
+            let (camera, photons) = rayon::join(Gpu::open, Gpu::open);
+            Ok(Self { gpus: Some([Arc::new(camera?), Arc::new(photons?)]), ..cpu.clone() })
+        };
+        match choice {
+            BackendChoice::Cpu => Ok(cpu),
+            BackendChoice::Auto if precision == Precision::F64 => Ok(cpu),
+            BackendChoice::Gpu => gpus(),
+            BackendChoice::Auto => match gpus() {
+                Err(TraceError::NoAdapter) => {
+                    let notice = Some("no GPU adapter found: the built-in CPU tracer runs instead".into());
+                    Ok(Self { notice, ..cpu })
+                }
+                opened => opened,
+            },
+        }
+    }
+
+    /// The built-in tracer.
+    pub fn cpu(precision: Precision) -> Self {
+        Self { precision, gpus: None, notice: None }
+    }
+
+    /// Whether a GPU (lavapipe counts) does the work.
+    pub fn is_gpu(&self) -> bool {
+        self.gpus.is_some()
+    }
+
+    /// Why the CPU was taken, where it was not asked for.
+    pub fn notice(&self) -> Option<&str> {
+        self.notice.as_deref()
+    }
+
+    /// Loads a model.
+    ///
+    /// # Errors
+    /// A number of the model that is not finite in the tracer's precision, buffers that the device does not allow.
+    pub fn load(&self, model: &Model<f64>) -> Result<Backend, TraceError> {
+        match self.precision {
+            Precision::F32 => finite::check(&model.cast::<f32>(), "f32")?,
+            Precision::F64 => finite::check(model, "f64")?,
+        }
+        Ok(match (&self.gpus, self.precision) {
+            (Some([camera, photons]), _) => {
+                let (camera, photons) = (GpuTracer::on(camera.clone(), model)?, GpuTracer::on(photons.clone(), model)?);
+                Backend::Gpu { camera: Box::new(camera), photons: Some(Box::new(photons)) }
+            }
+            (None, Precision::F32) => Backend::Cpu32(Box::new(CpuTracer::new(model.cast()))),
+            (None, Precision::F64) => Backend::Cpu64(Box::new(CpuTracer::new(model.cast()))),
+        })
+    }
+}
+
 /// A backend with a scene loaded.
 pub enum Backend {
     /// wgpu.
     Gpu {
         /// The device of camera paths.
         camera: Box<GpuTracer>,
-        /// That of photons, where they have one of their own: llvmpipe compiles in a device's queue, so two of them
-        /// compile two kernels at once.
+        /// That of photons, where they have one of their own.
         photons: Option<Box<GpuTracer>>,
     },
     /// The twin in f32.
@@ -187,39 +256,6 @@ impl From<GpuTracer> for Backend {
 }
 
 impl Backend {
-    /// Chooses a backend and loads the model. Says in the second value why the CPU was taken, where it was not asked
-    /// for.
-    pub fn open(
-        choice: BackendChoice,
-        precision: Precision,
-        model: &Model<f64>,
-    ) -> Result<(Self, Option<String>), TraceError> {
-        match precision {
-            Precision::F32 => finite::check(&model.cast::<f32>(), "f32")?,
-            Precision::F64 => finite::check(model, "f64")?,
-        }
-        let cpu = || match precision {
-            Precision::F32 => Self::Cpu32(Box::new(CpuTracer::new(model.cast()))),
-            Precision::F64 => Self::Cpu64(Box::new(CpuTracer::new(model.cast()))),
-        };
-        let gpu = || {
-            let (camera, photons) = rayon::join(|| GpuTracer::new(model), || GpuTracer::new(model));
-            Ok(Self::Gpu { camera: Box::new(camera?), photons: Some(Box::new(photons?)) })
-        };
-        match choice {
-            BackendChoice::Cpu => Ok((cpu(), None)),
-            BackendChoice::Auto if precision == Precision::F64 => Ok((cpu(), None)),
-            BackendChoice::Gpu => Ok((gpu()?, None)),
-            BackendChoice::Auto => match gpu() {
-                Ok(gpu) => Ok((gpu, None)),
-                Err(TraceError::NoAdapter) => {
-                    Ok((cpu(), Some("no GPU adapter found: the built-in CPU tracer runs instead".into())))
-                }
-                Err(e) => Err(e),
-            },
-        }
-    }
-
     /// Short name of the backend.
     pub fn name(&self) -> &'static str {
         match self {

@@ -1,7 +1,7 @@
 //! What it gains to leave out what a scene does not need: the same image with pieces of the kernels, or stages, that it
 //! has no use for, against the image without, alternating in one run.
 
-use super::backend::TraceError;
+use super::backend::{Devices, TraceError};
 use super::kernel::{Kernel, ShapePiece, Spare};
 use super::model::{Camera, FieldShape, Heights, Model, Shape, Tissue};
 use super::render::{Settings, Stage, render};
@@ -47,6 +47,7 @@ struct Laden {
 /// Renders `model` with and without each piece that it leaves out, `rounds` times in turn; with them by `other_seed`,
 /// since equal noise would hide differences. `observe` as for [`render()`].
 pub fn gains(
+    devices: &Devices,
     model: &Model<f64>,
     settings: &Settings,
     other_seed: u32,
@@ -63,7 +64,7 @@ pub fn gains(
     let turns = f64::from(rounds) * (laden.len() + 1) as f64;
     let mut turn = 0.0;
     let mut one = |model: &Model<f64>, settings: &Settings| {
-        let outcome = render(model, settings, &mut |stage| {
+        let outcome = render(devices, model, settings, &mut |stage| {
             observe(Stage { done: (turn + stage.done) / turns, what: "with and without" })
         })?;
         turn += 1.0;
@@ -196,19 +197,13 @@ fn out_of_reach(n: f64) -> Tissue<f64> {
 mod tests {
     use super::*;
     use crate::scene::LoadedScene;
-    use crate::trace::BackendChoice;
+    use crate::trace::Precision;
 
     fn film(loaded: &LoadedScene, seed: u32) -> Film {
         let surface = crate::surface::surface(loaded).unwrap();
         let model = Model::new(loaded, &surface, crate::surface::contact_map(loaded).unwrap()).unwrap();
-        let settings = Settings {
-            spp: 32,
-            photons: Some(1 << 18),
-            seed,
-            backend: BackendChoice::Cpu,
-            ..Settings::of(&loaded.scene.render)
-        };
-        render(&model, &settings, &mut |_| true).unwrap().film
+        let settings = Settings { spp: 32, photons: Some(1 << 18), seed, ..Settings::of(&loaded.scene.render) };
+        render(&Devices::cpu(Precision::F32), &model, &settings, &mut |_| true).unwrap().film
     }
 
     #[test]

@@ -25,7 +25,7 @@ mod spread;
 mod unfold;
 pub mod unseen;
 
-pub use backend::{Backend, BackendChoice, Precision, TraceError};
+pub use backend::{Backend, BackendChoice, Devices, Precision, TraceError};
 pub use kernel::Kernel;
 pub use model::Model;
 pub use plan::{Method, Plan};

@@ -1,6 +1,6 @@
 //! From a model to a film with its error, its ledger and what it cost.
 
-use super::backend::{Backend, BackendChoice, Precision, TraceError};
+use super::backend::{Backend, Devices, TraceError};
 use super::batch::{Batch, Observer, Pacer, Times, Totals, Work};
 use super::exitance::{Smoothing, TouchedFace};
 use super::kernel::Kernel;
@@ -66,14 +66,10 @@ pub struct Settings {
     pub target_error: Option<f64>,
     /// Seed.
     pub seed: u32,
-    /// Backend.
-    pub backend: BackendChoice,
-    /// Precision of the CPU twin.
-    pub precision: Precision,
 }
 
 impl Settings {
-    /// What a scene asks for, on whatever backend there is.
+    /// What a scene asks for.
     pub fn of(render: &scene::Render) -> Self {
         Self {
             integrator: render.integrator,
@@ -82,8 +78,6 @@ impl Settings {
             seconds: None,
             target_error: None,
             seed: render.seed,
-            backend: BackendChoice::Auto,
-            precision: Precision::F32,
         }
     }
 }
@@ -129,7 +123,7 @@ pub struct Outcome {
     pub seconds: f64,
     /// Where that went, and the time of the ledger beside it; the rest is sums and the error estimate.
     pub times: Times,
-    /// Time to open the device and build kernels, seconds.
+    /// Time to load the model and build kernels, seconds.
     pub setup_seconds: f64,
     /// Mean radiance of the image, W/(m^2 sr).
     pub mean_radiance: f64,
@@ -158,12 +152,13 @@ fn blotches(method: Method, film: &Film) -> Option<String> {
 /// camera path per pixel and replicate, and few photons: these are more by themselves until they match the camera
 /// paths, and with them from there.
 pub fn render(
+    devices: &Devices,
     model: &Model<f64>,
     settings: &Settings,
     observe: &mut dyn FnMut(Stage) -> bool,
 ) -> Result<Outcome, TraceError> {
     let Some(target) = settings.target_error else {
-        return once(model, settings, observe);
+        return once(devices, model, settings, observe);
     };
     let kernel = Kernel::of(model);
     let method = Plan::choose(settings.integrator, &kernel)?.method;
@@ -177,7 +172,7 @@ pub fn render(
     loop {
         let spp = (work.ceil() as u32).max(REPLICATES);
         let photons = Some((each * work) as u64);
-        let outcome = once(model, &Settings { spp, photons, ..settings.clone() }, observe)?;
+        let outcome = once(devices, model, &Settings { spp, photons, ..settings.clone() }, observe)?;
         seconds += outcome.seconds;
         setup_seconds += outcome.setup_seconds;
         segments += outcome.segments;
@@ -200,24 +195,25 @@ pub fn render(
 
 /// Renders with the work of the settings, or for their seconds.
 fn once(
+    devices: &Devices,
     model: &Model<f64>,
     settings: &Settings,
     observe: &mut dyn FnMut(Stage) -> bool,
 ) -> Result<Outcome, TraceError> {
     let start = Instant::now();
-    let (mut backend, notice) = Backend::open(settings.backend, settings.precision, model)?;
+    let mut backend = devices.load(model)?;
     let opening = start.elapsed().as_secs_f64();
     let outcome = render_on(&mut backend, model, settings, observe)?;
     let setup_seconds = opening + outcome.setup_seconds;
     Ok(Outcome {
-        notice: notice.into_iter().chain(outcome.notice).reduce(|a, b| a + "; " + &b),
+        notice: devices.notice().map(str::to_owned).into_iter().chain(outcome.notice).reduce(|a, b| a + "; " + &b),
         setup_seconds,
         ..outcome
     })
 }
 
 /// Renders on a backend that holds the model already: one device for many seeds. Work is that of the settings, or for
-/// their seconds; an asked error and their backend play no part.
+/// their seconds; an asked error plays no part.
 pub fn render_on(
     backend: &mut Backend,
     model: &Model<f64>,

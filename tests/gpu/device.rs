@@ -3,12 +3,13 @@
 use crate::adapter::require_gpu;
 use crate::films::gpu;
 use crate::scenes::Case;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tirtouch::trace::backend::{BackendChoice, Precision};
 use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
-use tirtouch::trace::gpu::GpuTracer;
+use tirtouch::trace::gpu::{Gpu, GpuTracer};
 use tirtouch::trace::plan::Method;
-use tirtouch::trace::{Backend, TraceError};
+use tirtouch::trace::{Backend, Devices, Model, TraceError};
 
 /// Resident memory of this process, bytes; none where the system does not say.
 fn resident() -> Option<u64> {
@@ -55,7 +56,7 @@ fn what_is_prepared_is_all_that_a_replicate_needs_on_one_device_and_on_two() {
     for method in [Method::Path, Method::Map, Method::Splat] {
         let Some(adapter) = require_gpu() else { return };
         let model = Case::preset("contact-disc").model([32, 24]);
-        let both = Backend::open(BackendChoice::Gpu, Precision::F32, &model).unwrap().0;
+        let both = Devices::open(BackendChoice::Gpu, Precision::F32).unwrap().load(&model).unwrap();
         let films = [(gpu(adapter, &model), [2, 0]), (both, [1, 1])].map(|(mut backend, expected)| {
             backend.prepare(method).unwrap();
             assert_eq!(kernels(&backend), expected, "{}", method.name());
@@ -99,4 +100,30 @@ fn a_map_larger_than_the_device_allows_is_refused() {
     let mut backend = gpu(adapter, &model);
     let found = backend.clear_photons(tirtouch::trace::backend::PhotonMode::Map);
     assert!(matches!(found, Err(TraceError::Memory { what: "photon deposits", .. })), "{found:?}");
+}
+
+/// What a device keeps of one scene (its kernels) must not show in the next.
+#[test]
+fn a_scene_after_another_of_its_make_takes_its_kernels_and_nothing_else() {
+    let Some(adapter) = require_gpu() else { return };
+    let adapter = Arc::new(adapter);
+    let [first, second] = [1.0, 1.2].map(|factor| {
+        let mut case = Case::preset("contact-disc");
+        case.loaded.scene.stack.layer[0].thickness_mm *= factor;
+        case.model([32, 24])
+    });
+    let film = |gpu: Arc<Gpu>, model: &Model<f64>| {
+        let mut backend = GpuTracer::on(gpu, model).unwrap().into();
+        let (pacer, totals) = (Pacer::default(), Totals::default());
+        let mut batch = Batch { model, backend: &mut backend, method: Method::Map, seed: 1, pacer, totals };
+        batch.replicate(0, Work { spp: 2, photons: 1 << 16 }, &mut |_, _| true).unwrap()
+    };
+    let before = film(adapter.clone(), &first);
+    let kernels = adapter.kernels();
+    let warm = film(adapter.clone(), &second);
+    assert_eq!(adapter.kernels(), kernels);
+    let Some(fresh) = require_gpu() else { return };
+    assert_eq!(warm, film(Arc::new(fresh), &second));
+    assert_ne!(warm, before);
+    assert_eq!(before, film(adapter, &first));
 }

@@ -9,7 +9,7 @@ use tirtouch::trace::backend::CpuTracer;
 use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
 use tirtouch::trace::gpu::GpuTracer;
 use tirtouch::trace::plan::Method;
-use tirtouch::trace::{Backend, BackendChoice, Model, Precision, TraceError};
+use tirtouch::trace::{Backend, Devices, Model, Precision, TraceError};
 
 const WORK: Work = Work { spp: 4, photons: 1 << 14 };
 
@@ -90,12 +90,12 @@ fn a_number_that_is_not_finite_is_refused_by_its_name_before_a_kernel_is_made() 
             Err(TraceError::NotFinite { what, precision: "f32", .. }) => assert!(what.contains(name), "{what}"),
             other => panic!("{name}: {other:?}"),
         };
-        refused(Backend::open(BackendChoice::Cpu, Precision::F32, &bad).map(|_| ()));
+        refused(Devices::cpu(Precision::F32).load(&bad).map(|_| ()));
         if let Some(adapter) = require_gpu() {
             refused(GpuTracer::on(adapter, &bad).map(|_| ()));
         }
     }
-    assert!(Backend::open(BackendChoice::Cpu, Precision::F32, &good).is_ok());
+    assert!(Devices::cpu(Precision::F32).load(&good).is_ok());
 }
 
 fn traced(mut backend: Backend, model: &Model<f64>, method: Method) -> Result<Vec<f64>, TraceError> {

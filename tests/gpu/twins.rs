@@ -259,7 +259,7 @@ fn reads(model: &Model<f64>, kind: Kind, text: &str) -> bool {
         Kind::Camera(mode) => Entry::Camera(mode),
         Kind::Photon(mode) => Entry::Photons(mode),
     };
-    source(&model.cast(), entry, true).contains(text)
+    source(&model.cast(), entry, true).0.contains(text)
 }
 
 /// Whether any kind of paths shows that the kernels read `wrong` in place of `right`. The others' kernels are not

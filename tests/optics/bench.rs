@@ -8,7 +8,7 @@ use tirtouch::surface;
 use tirtouch::trace::cpu::vec3::{V3, v3};
 use tirtouch::trace::cpu::{Limits, Path};
 use tirtouch::trace::model::Real;
-use tirtouch::trace::{Backend, BackendChoice, Model, Precision, TraceError};
+use tirtouch::trace::{Backend, BackendChoice, Devices, Model, Precision, TraceError};
 
 /// A preset.
 pub fn sensor(preset: &str) -> LoadedScene {
@@ -43,7 +43,7 @@ pub fn model(loaded: &LoadedScene) -> Model<f64> {
 
 /// The GPU where there is one (a missing one is a failure under TIRTOUCH_REQUIRE_GPU), and the twin in f32.
 pub fn backends(model: &Model<f64>) -> Vec<Backend> {
-    let open = |choice| Backend::open(choice, Precision::F32, model).map(|(backend, _)| backend);
+    let open = |choice| Devices::open(choice, Precision::F32)?.load(model);
     let gpu = match open(BackendChoice::Gpu) {
         Ok(gpu) => Some(gpu),
         Err(TraceError::NoAdapter) if std::env::var_os("TIRTOUCH_REQUIRE_GPU").is_none() => None,
@@ -58,11 +58,12 @@ pub fn fastest(model: &Model<f64>) -> Backend {
 }
 
 /// The same choice, for renders.
-pub fn choice() -> BackendChoice {
-    match std::env::var_os("TIRTOUCH_REQUIRE_GPU") {
+pub fn devices() -> Devices {
+    let choice = match std::env::var_os("TIRTOUCH_REQUIRE_GPU") {
         Some(_) => BackendChoice::Gpu,
         None => BackendChoice::Auto,
-    }
+    };
+    Devices::open(choice, Precision::F32).unwrap()
 }
 
 /// A path of unlimited length at a point, with an optical momentum.

@@ -4,23 +4,14 @@ use crate::beams::{lambertian, scattering};
 use crate::bench;
 use tirtouch::film::{self, Film};
 use tirtouch::scene::{Integrator, Led, LoadedScene, Pattern, Pressure, Roughness, Tissue};
-use tirtouch::trace::{BackendChoice, Model, Precision, Settings, render};
+use tirtouch::trace::{Devices, Model, Precision, Settings, render};
 
 /// Chance of a false alarm, over all levels of blocks together: as four standard errors.
 const LEVEL: f64 = 6.334e-5;
 
 fn film(model: &Model<f64>, integrator: Integrator, spp: u32, photons: u64, seed: u32) -> Film {
-    let settings = Settings {
-        integrator,
-        spp,
-        photons: Some(photons),
-        seconds: None,
-        target_error: None,
-        seed,
-        backend: bench::choice(),
-        precision: Precision::F32,
-    };
-    let outcome = render(model, &settings, &mut |_| true).unwrap();
+    let settings = Settings { integrator, spp, photons: Some(photons), seconds: None, target_error: None, seed };
+    let outcome = render(&bench::devices(), model, &settings, &mut |_| true).unwrap();
     println!("{integrator:?}: {:.2} s, mean {:.6e}", outcome.seconds, outcome.mean_radiance);
     assert_eq!(outcome.ledger.residual, 0.0);
     outcome.film
@@ -168,7 +159,7 @@ fn an_image_of_few_pixels_and_many_samples_loses_no_light_on_the_gpu() {
     let mut loaded = bright("contact-disc");
     loaded.scene.camera.pixels = [4, 3];
     let model = bench::model(&loaded);
-    let mean = |backend| {
+    let mean = |devices| {
         let settings = Settings {
             integrator: Integrator::Path,
             spp: 1 << 17,
@@ -176,12 +167,10 @@ fn an_image_of_few_pixels_and_many_samples_loses_no_light_on_the_gpu() {
             seconds: None,
             target_error: None,
             seed: 11,
-            backend,
-            precision: Precision::F32,
         };
-        render(&model, &settings, &mut |_| true).unwrap().mean_radiance
+        render(&devices, &model, &settings, &mut |_| true).unwrap().mean_radiance
     };
     // The same paths: they part only where rounding decides an event, one in 1e5 of them.
-    let (gpu, cpu) = (mean(bench::choice()), mean(BackendChoice::Cpu));
+    let (gpu, cpu) = (mean(bench::devices()), mean(Devices::cpu(Precision::F32)));
     bench::close("mean of few pixels", gpu / cpu, 1.0, 1e-3);
 }

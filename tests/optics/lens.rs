@@ -22,10 +22,8 @@ fn edge_width(lens: Lens) -> f64 {
         seconds: None,
         target_error: None,
         seed: 5,
-        backend: bench::choice(),
-        precision: tirtouch::trace::Precision::F32,
     };
-    let outcome = render(&bench::model(&loaded), &settings, &mut |_| true).unwrap();
+    let outcome = render(&bench::devices(), &bench::model(&loaded), &settings, &mut |_| true).unwrap();
     assert_eq!(outcome.plan.method, Method::Map);
     let row = &outcome.film.mean;
     // The quarter from a fourth to the middle holds the disc's left edge; further out the LEDs' own reflection is seen.

@@ -11,7 +11,7 @@ use crate::converge::{Rung, is_lit};
 use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::press::{Load, PressError, PressSettings, Pressed, press};
 use crate::scene::LoadedScene;
-use crate::trace::Settings;
+use crate::trace::{Devices, Settings};
 use std::path::Path;
 
 /// What is climbed, and how far.
@@ -19,6 +19,7 @@ pub(super) struct Climb<'a> {
     pub loaded: &'a LoadedScene,
     pub file: &'a Path,
     pub settings: Settings,
+    pub devices: &'a Devices,
     pub most_spp: u32,
     pub quick: bool,
     pub only: Option<Only>,
@@ -107,6 +108,7 @@ impl Climb<'_> {
             loaded: self.loaded,
             press: step,
             settings: self.settings.clone(),
+            devices: self.devices,
             most_spp: self.most_spp,
             repeats: if self.quick { 3 } else { 4 },
             quick: self.quick,

@@ -11,7 +11,7 @@
 //!
 //! Everything smaller is an override constant, folded when the pipeline is built.
 
-use super::layout::{self, Wgsl};
+use super::layout::{self, Numbers, Wgsl as _};
 use crate::trace::backend::{CameraMode, PhotonMode};
 use crate::trace::cpu::Limits;
 use crate::trace::kernel::{Kernel, ShapePiece};
@@ -36,10 +36,10 @@ pub enum Entry {
     Probe,
 }
 
-/// The WGSL text of a kernel.
-pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> String {
+/// The WGSL text of a kernel, and the numbers of the scene that it reads.
+pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> (String, Numbers) {
     let kernel = Kernel::of(model);
-    let accessors = accessors(model);
+    let (accessors, numbers) = accessors(model);
     let mut pieces = vec![
         piece!("lib/scene"),
         accessors.as_str(),
@@ -80,12 +80,12 @@ pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> String {
         Entry::Photons(_) => piece!("entry/photons"),
         Entry::Probe => piece!("entry/probe"),
     });
-    pieces.concat()
+    (pieces.concat(), numbers)
 }
 
-/// `scene`, and functions `layer_FIELD(k)`, `face_FIELD(i)` and `lamp_FIELD(k)` with the scene's numbers: chains of
-/// selects over constants.
-fn accessors(model: &Model<f32>) -> String {
+/// `read_scene`, and functions `layer_FIELD(k)`, `face_FIELD(i)` and `lamp_FIELD(k)` with the scene's numbers: chains of
+/// selects over them.
+fn accessors(model: &Model<f32>) -> (String, Numbers) {
     let field_vectors = match &model.shape {
         Shape::Field(f) => match &f.heights {
             Heights::Grid { size, .. } => (size[0] - 1) * (size[1] + 2),
@@ -93,11 +93,13 @@ fn accessors(model: &Model<f32>) -> String {
         },
         _ => 0,
     };
-    // A private variable that nothing writes: drivers fold it, and naga 30 refuses it as a constant. As a uniform it
-    // made llvmpipe compile the kernel anew for each replicate.
-    let mut text = format!("var<private> scene: Scene = {};\n", layout::scene(model).wgsl());
+    let mut numbers = Numbers::default();
+    // As a uniform it made llvmpipe compile the kernel anew for each replicate: it puts the values of uniforms that
+    // decide branches into the kernel.
+    let scene = layout::scene(model).wgsl(&mut numbers);
+    let mut text = format!("var<private> scene: Scene;\nfn read_scene() {{ read_numbers(); scene = {scene}; }}\n");
     let mut float = |name: &str, values: Vec<f32>| {
-        accessor(&mut text, name, "f32", values.iter().map(Wgsl::wgsl));
+        accessor(&mut text, name, "f32", values.into_iter().map(|value| numbers.hold(value)));
     };
     let layer = |get: fn(&Layer<f32>) -> f32| model.layers.iter().map(get).collect();
     float("layer_n", layer(|l| l.n));
@@ -125,23 +127,24 @@ fn accessors(model: &Model<f32>) -> String {
     float("lamp_launch", led(|l| l.launch));
     float("lamp_aim_low", led(|l| l.aim[0]));
     float("lamp_aim_high", led(|l| l.aim[1]));
-    let word = |v: usize| (v as u32).wgsl();
+    let word = |v: usize| format!("{v}u");
     accessor(&mut text, "lamp_wall", "u32", model.leds.iter().map(|l| word(l.wall as usize)));
     accessor(&mut text, "lamp_air", "u32", model.leds.iter().map(|l| word(usize::from(l.air))));
     accessor(&mut text, "lamp_table", "u32", model.leds.iter().map(|l| word(l.table.unwrap_or(u32::MAX as usize))));
     let mut picked = |name: &str, cumulative: fn(&Led<f32>) -> f32| {
-        let past = model.leds.iter().rev().skip(1).map(|l| format!(" + select(0u, 1u, u >= {})", cumulative(l).wgsl()));
+        let past = model.leds.iter().rev().skip(1);
+        let past = past.map(|l| format!(" + select(0u, 1u, u >= {})", numbers.hold(cumulative(l))));
         text.push_str(&format!("fn {name}(u: f32) -> u32 {{ return 0u{}; }}\n", past.collect::<String>()));
     };
     picked("lamp_picked", |l| l.cumulative);
     picked("lamp_picked_aimed", |l| l.cumulative_aimed);
     if let Some(Scatter::HalfSpace(tissue)) = model.tissue.as_ref().map(|t| t.scatter) {
-        let term = |[place, weight]: [f32; 2]| format!("{} / ({} + mu)", weight.wgsl(), place.wgsl());
+        let term = |[place, weight]: [f32; 2]| format!("{} / ({} + mu)", numbers.hold(weight), numbers.hold(place));
         text.push_str(&format!("fn h_terms(mu: f32) -> f32 {{ return {}; }}\n", tissue.terms.map(term).join(" + ")));
     }
     accessor(&mut text, "face_kind", "u32", model.faces.iter().map(|f| word(f.kind as usize)));
     accessor(&mut text, "face_field", "u32", model.faces.iter().map(|f| word(f.field * field_vectors)));
-    text
+    (numbers.wgsl() + &text, numbers)
 }
 
 fn accessor(text: &mut String, name: &str, kind: &str, values: impl Iterator<Item = String>) {
@@ -198,4 +201,55 @@ pub fn constants(kernel: &Kernel, entry: Entry, limits: Limits) -> Vec<(&'static
         constants.push(("UNFOLDED", f64::from(kernel.unfolded)));
     }
     constants
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::{LoadedScene, Shape as Dent};
+
+    fn built(name: &str, change: impl Fn(&mut LoadedScene)) -> (String, Numbers) {
+        let mut loaded = crate::scene::preset(name).unwrap();
+        change(&mut loaded);
+        let surface = crate::surface::surface(&loaded).unwrap();
+        let contact = crate::surface::contact_map(&loaded).unwrap();
+        let model = Model::new(&loaded, &surface, contact).unwrap().cast();
+        source(&model, Entry::Camera(CameraMode::Path), false)
+    }
+
+    /// Sweeps change numbers: of these no kernel is compiled.
+    #[test]
+    fn scenes_that_differ_in_numbers_alone_share_their_text() {
+        type Change = fn(&mut LoadedScene, f64);
+        let changes: [(&str, Change); 6] = [
+            ("contact-disc", |l, by| l.scene.stack.layer[0].thickness_mm *= by),
+            ("contact-disc", |l, by| l.scene.stack.layer[1].n = Some(1.4 * by)),
+            ("contact-disc", |l, by| l.scene.led.iter_mut().for_each(|led| led.diameter_mm *= by)),
+            ("contact-disc", |l, by| l.scene.camera.distance_mm *= by),
+            ("tsis-dent", |l, by| {
+                l.scene.touch.shape = Dent::SphericalDent { depth_mm: 3.0 * by, radius_mm: 9.0, center_mm: [0.0; 2] };
+            }),
+            ("tsis-dent", |l, by| {
+                l.scene.touch.shape = Dent::GaussianDent { depth_mm: by, sigma_mm: 3.0 * by, center_mm: [0.0; 2] };
+            }),
+        ];
+        for (k, (name, change)) in changes.into_iter().enumerate() {
+            let [(before, old), (after, new)] = [1.003, 1.007].map(|by| built(name, |loaded| change(loaded, by)));
+            assert!(before == after, "{k}");
+            assert_ne!(old.values(), new.values(), "{k}: the change is in the numbers");
+        }
+    }
+
+    #[test]
+    fn what_a_scene_gains_or_lacks_is_another_text() {
+        let changes: [fn(&mut LoadedScene); 3] = [
+            |l| l.scene.stack.layer.truncate(2),
+            |l| l.scene.stack.layer[1].absorption_per_mm = 0.01,
+            |l| l.scene.led.truncate(1),
+        ];
+        for (k, change) in changes.into_iter().enumerate() {
+            assert!(built("flat-bonded", |_| ()).0 != built("flat-bonded", change).0, "{k}");
+        }
+    }
 }

@@ -1,9 +1,13 @@
 //! An adapter and its device, with every failure turned into an error.
 
 use crate::trace::TraceError;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A device, its queue, and what went wrong with it so far.
+/// Kernels that a device keeps: scenes of the same make share theirs. All are let go where one more would come.
+const KEPT_KERNELS: usize = 64;
+
+/// A device, its queue, the kernels built on it, and what went wrong with it so far.
 pub struct Gpu {
     /// The device.
     pub device: wgpu::Device,
@@ -11,7 +15,27 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// Its adapter.
     pub info: wgpu::AdapterInfo,
+    kernels: Mutex<HashMap<KernelText, wgpu::ComputePipeline>>,
     trouble: Arc<Mutex<Option<Trouble>>>,
+}
+
+/// All that a kernel is compiled from. Its bindings follow from its text.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct KernelText {
+    /// WGSL.
+    pub wgsl: String,
+    /// The entry point.
+    pub entry: &'static str,
+    /// Override constants, as bits.
+    constants: Vec<(&'static str, u64)>,
+}
+
+impl KernelText {
+    /// A text with its override constants.
+    pub fn new(wgsl: String, entry: &'static str, constants: &[(&'static str, f64)]) -> Self {
+        let constants = constants.iter().map(|&(name, value)| (name, value.to_bits())).collect();
+        Self { wgsl, entry, constants }
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -57,17 +81,74 @@ impl Gpu {
             device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
                 note(&refused, Trouble::Refused(e.to_string()));
             }));
-            Ok(Self { device, queue, info: adapter.get_info(), trouble })
+            let kernels = Mutex::default();
+            Ok(Self { device, queue, info: adapter.get_info(), kernels, trouble })
         })
     }
 
     /// What went wrong, if anything did.
     pub fn check(&self) -> Result<(), TraceError> {
-        let trouble = self.trouble.lock().unwrap_or_else(PoisonError::into_inner);
-        match trouble.as_ref() {
+        match held(&self.trouble).as_ref() {
             None => Ok(()),
             Some(Trouble::Lost(why)) => Err(TraceError::DeviceLost(one_line(why))),
             Some(Trouble::Refused(why)) => Err(TraceError::Driver(one_line(why))),
+        }
+    }
+
+    /// The kernel of a text, and whether it was made just now.
+    pub fn kernel(
+        &self,
+        text: KernelText,
+        bindings: &[wgpu::BindGroupLayoutEntry],
+    ) -> Result<(wgpu::ComputePipeline, bool), TraceError> {
+        self.check()?;
+        let mut kernels = held(&self.kernels);
+        if let Some(kernel) = kernels.get(&text) {
+            return Ok((kernel.clone(), false));
+        }
+        let kernel = self.build(&text, bindings)?;
+        if kernels.len() >= KEPT_KERNELS {
+            kernels.clear();
+        }
+        kernels.insert(text, kernel.clone());
+        Ok((kernel, true))
+    }
+
+    /// Kernels kept.
+    pub fn kernels(&self) -> usize {
+        held(&self.kernels).len()
+    }
+
+    fn build(
+        &self,
+        text: &KernelText,
+        bindings: &[wgpu::BindGroupLayoutEntry],
+    ) -> Result<wgpu::ComputePipeline, TraceError> {
+        let (device, label) = (&self.device, Some("kernel"));
+        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let source = wgpu::ShaderSource::Wgsl(text.wgsl.as_str().into());
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
+        let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: bindings });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label,
+            bind_group_layouts: &[Some(&group)],
+            ..Default::default()
+        });
+        let constants: Vec<_> = text.constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label,
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(text.entry),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &constants,
+                zero_initialize_workgroup_memory: false,
+            },
+            cache: None,
+        });
+        match pollster::block_on(scope.pop()) {
+            Some(error) => Err(TraceError::Driver(one_line(&error.to_string()))),
+            None => Ok(pipeline),
         }
     }
 
@@ -154,7 +235,11 @@ impl Gpu {
 }
 
 fn note(place: &Mutex<Option<Trouble>>, what: Trouble) {
-    place.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(what);
+    held(place).get_or_insert(what);
+}
+
+fn held<T>(place: &Mutex<T>) -> MutexGuard<'_, T> {
+    place.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn one_line(message: &str) -> String {

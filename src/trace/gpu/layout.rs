@@ -13,10 +13,9 @@ macro_rules! shader_struct {
         #[allow(missing_docs)]
         pub struct $name { $(pub $field: $kind),* }
 
-        impl $name {
-            /// The value as a WGSL expression.
-            pub fn wgsl(&self) -> String {
-                format!("{}({})", stringify!($name), [$(self.$field.wgsl()),*].join(", "))
+        impl Wgsl for $name {
+            fn wgsl(&self, numbers: &mut Numbers) -> String {
+                format!("{}({})", stringify!($name), [$(self.$field.wgsl(numbers)),*].join(", "))
             }
         }
 
@@ -29,27 +28,67 @@ macro_rules! shader_struct {
     };
 }
 
+/// The numbers of a scene that its kernels read from a buffer.
+///
+/// A kernel's text holds none of them, so that scenes of the same make share it. 0 and 1 are of the make: they stand
+/// for what is not there, and drivers fold them.
+#[derive(Debug, Default)]
+pub struct Numbers(Vec<f32>);
+
+impl Numbers {
+    /// A number as a WGSL expression. Equal ones are held once.
+    pub(super) fn hold(&mut self, value: f32) -> String {
+        // WGSL has no infinity.
+        let value = value.clamp(f32::MIN, f32::MAX);
+        if value == 0.0 || value == 1.0 {
+            return format!("{:.1}", value.abs());
+        }
+        let place = self.0.iter().position(|held| *held == value).unwrap_or_else(|| {
+            self.0.push(value);
+            self.0.len() - 1
+        });
+        format!("number_{place}")
+    }
+
+    /// In the order in which the buffer holds them.
+    pub fn values(&self) -> &[f32] {
+        &self.0
+    }
+
+    /// WGSL that declares them, and reads them all. As variables of their own they stay in a CPU driver's registers and
+    /// stack; read from the buffer where they are needed they made kernels three times slower.
+    pub(super) fn wgsl(&self) -> String {
+        let count = self.0.len();
+        let each = |write: fn(usize) -> String| (0..count).map(write).collect::<String>();
+        format!(
+            "@group(0) @binding(0) var<storage, read> numbers: array<f32, {}>;\n{}fn read_numbers() {{{} }}\n",
+            count.max(1),
+            each(|k| format!("var<private> number_{k}: f32;\n")),
+            each(|k| format!(" number_{k} = numbers[{k}];")),
+        )
+    }
+}
+
 /// A value as a WGSL expression.
 pub(super) trait Wgsl {
-    fn wgsl(&self) -> String;
+    fn wgsl(&self, numbers: &mut Numbers) -> String;
 }
 
 impl Wgsl for f32 {
-    fn wgsl(&self) -> String {
-        // Rust prints the shortest decimal that reads back as the same f32; WGSL has no infinity.
-        format!("f32({:?})", self.clamp(Self::MIN, Self::MAX))
+    fn wgsl(&self, numbers: &mut Numbers) -> String {
+        numbers.hold(*self)
     }
 }
 
 impl Wgsl for u32 {
-    fn wgsl(&self) -> String {
+    fn wgsl(&self, _: &mut Numbers) -> String {
         format!("{self}u")
     }
 }
 
 impl<T: Wgsl> Wgsl for [T; 2] {
-    fn wgsl(&self) -> String {
-        format!("vec2({}, {})", self[0].wgsl(), self[1].wgsl())
+    fn wgsl(&self, numbers: &mut Numbers) -> String {
+        format!("vec2({}, {})", self[0].wgsl(numbers), self[1].wgsl(numbers))
     }
 }
 
@@ -191,7 +230,7 @@ mod tests {
         let surface = crate::surface::surface(&loaded).unwrap();
         let contact = crate::surface::contact_map(&loaded).unwrap();
         let model = Model::new(&loaded, &surface, contact).unwrap().cast();
-        let text = source(&model, Entry::Camera(CameraMode::Path), false);
+        let text = source(&model, Entry::Camera(CameraMode::Path), false).0;
         let module = naga::front::wgsl::parse_str(&text).unwrap();
         let check = |name: &str, members: Vec<(&str, usize)>, size: usize| {
             let (_, found) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).unwrap();

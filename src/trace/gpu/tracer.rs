@@ -1,7 +1,7 @@
 //! A scene on a GPU: its buffers, its pipelines (built when first used), and chunks of work.
 
 use super::assemble::{Entry, constants, source};
-use super::device::Gpu;
+use super::device::{Gpu, KernelText};
 use super::layout;
 use crate::trace::TraceError;
 use crate::trace::backend::{CameraMode, Fates, PhotonMode, deposit_cells};
@@ -10,6 +10,7 @@ use crate::trace::finite;
 use crate::trace::kernel::{Kernel, ShapePiece};
 use crate::trace::model::Model;
 use std::collections::HashMap;
+use std::sync::Arc;
 use wgpu::BufferUsages as Usage;
 
 /// Threads per workgroup, as in the entry points.
@@ -25,10 +26,11 @@ const THREAD_PATHS: u32 = 32;
 
 /// A scene loaded on a GPU.
 pub struct GpuTracer {
-    gpu: Gpu,
+    gpu: Arc<Gpu>,
     kernel: Kernel,
     model: Model<f32>,
     run: wgpu::Buffer,
+    numbers: wgpu::Buffer,
     led_tables: wgpu::Buffer,
     surface: [wgpu::Buffer; 2],
     share: wgpu::Buffer,
@@ -52,7 +54,8 @@ impl GpuTracer {
     }
 
     /// Loads a model on an open device.
-    pub fn on(gpu: Gpu, model: &Model<f64>) -> Result<Self, TraceError> {
+    pub fn on(gpu: impl Into<Arc<Gpu>>, model: &Model<f64>) -> Result<Self, TraceError> {
+        let gpu = gpu.into();
         let model: Model<f32> = model.cast();
         finite::check(&model, "f32")?;
         let kernel = Kernel::of(&model);
@@ -63,6 +66,7 @@ impl GpuTracer {
         let grid = model.tissue.as_ref().map_or(&[][..], |t| &t.grid);
         Ok(Self {
             run: gpu.buffer("run", size_of::<layout::Run>() as u64, Usage::UNIFORM)?,
+            numbers: gpu.buffer("scene", 16, Usage::STORAGE)?,
             led_tables: storage("LED tables", &tables)?,
             surface: [storage("surface", &surface_a)?, storage("triangles", &surface_b)?],
             share: storage("contact share", grid)?,
@@ -83,7 +87,7 @@ impl GpuTracer {
     }
 
     /// Loads a model, and changes the kernels' WGSL before it is compiled: to inject faults that tests must find.
-    pub fn with_source(gpu: Gpu, model: &Model<f64>, edit: SourceEdit) -> Result<Self, TraceError> {
+    pub fn with_source(gpu: impl Into<Arc<Gpu>>, model: &Model<f64>, edit: SourceEdit) -> Result<Self, TraceError> {
         Ok(Self { edit: Some(edit), ..Self::on(gpu, model)? })
     }
 
@@ -117,7 +121,7 @@ impl GpuTracer {
         self.events.as_ref().map_or(Ok(Vec::new()), |e| self.gpu.read(e))
     }
 
-    /// Kernels built so far.
+    /// Kernels in use.
     pub fn kernels(&self) -> usize {
         self.pipelines.len()
     }
@@ -127,46 +131,24 @@ impl GpuTracer {
         if self.pipelines.contains_key(&entry) {
             return Ok(());
         }
-        self.gpu.check()?;
-        let device = &self.gpu.device;
-        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let text = source(&self.model, entry, self.events.is_some());
+        let (text, numbers) = source(&self.model, entry, self.events.is_some());
+        self.numbers = self.gpu.upload("scene", bytemuck::cast_slice(numbers.values()), Usage::STORAGE)?;
         let text = match &self.edit {
             Some(edit) => edit(entry, text),
             None => text,
         };
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("kernel"),
-            source: wgpu::ShaderSource::Wgsl(text.into()),
-        });
-        let entries: Vec<_> = self.bindings(entry).into_iter().map(|(k, _, kind)| layout_entry(k, kind)).collect();
-        let group = device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("kernel"), entries: &entries });
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("kernel"),
-            bind_group_layouts: &[Some(&group)],
-            ..Default::default()
-        });
-        let constants = constants(&self.kernel, entry, self.limits);
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("kernel"),
-            layout: Some(&layout),
-            module: &module,
-            entry_point: Some(match entry {
-                Entry::Camera(_) => "camera",
-                Entry::Photons(_) => "photons",
-                Entry::Probe => "probe",
-            }),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &constants,
-                zero_initialize_workgroup_memory: false,
-            },
-            cache: None,
-        });
-        if let Some(e) = pollster::block_on(scope.pop()) {
-            return Err(TraceError::Driver(e.to_string()));
-        }
+        let name = match entry {
+            Entry::Camera(_) => "camera",
+            Entry::Photons(_) => "photons",
+            Entry::Probe => "probe",
+        };
+        let text = KernelText::new(text, name, &constants(&self.kernel, entry, self.limits));
+        let bindings: Vec<_> = self.bindings(entry).into_iter().map(|(k, _, kind)| layout_entry(k, kind)).collect();
+        let (pipeline, new) = self.gpu.kernel(text, &bindings)?;
         self.pipelines.insert(entry, pipeline);
+        if !new {
+            return Ok(());
+        }
         // Drivers compile at first dispatch: send an empty one.
         self.dispatch(entry, layout::Run::default(), 1)
     }
@@ -175,7 +157,7 @@ impl GpuTracer {
         let uniform = wgpu::BufferBindingType::Uniform;
         let read = wgpu::BufferBindingType::Storage { read_only: true };
         let write = wgpu::BufferBindingType::Storage { read_only: false };
-        let mut out = vec![(1, &self.run, uniform), (5, &self.led_tables, read)];
+        let mut out = vec![(0, &self.numbers, read), (1, &self.run, uniform), (5, &self.led_tables, read)];
         if self.kernel.has_fields() || self.kernel.shape == ShapePiece::Mesh {
             out.push((8, &self.surface[0], read));
         }
