@@ -9,11 +9,11 @@
 use anyhow::{Context as _, Result};
 use clap::Parser;
 use std::collections::BTreeMap;
+use tirtouch::pipeline::model_of;
 use tirtouch::scene::{LoadedScene, Pressure, Shape, preset};
-use tirtouch::surface::{contact_map, surface};
 use tirtouch::trace::cpu::camera::View;
 use tirtouch::trace::cpu::{Limits, Path, book};
-use tirtouch::trace::{BackendChoice, Devices, Model, Precision, Settings, render};
+use tirtouch::trace::{BackendChoice, Devices, Precision, Settings, render};
 
 #[derive(Parser)]
 struct Arguments {
@@ -140,7 +140,7 @@ const LANES: [usize; 2] = [8, 16];
 /// their longest. Where a path waits within a segment, in the search for a deformed face, comes on top.
 fn lanes(scene: &str) -> Result<()> {
     let loaded = preset(scene)?;
-    let model = Model::new(&loaded, &surface(&loaded)?, contact_map(&loaded)?)?.cast::<f32>();
+    let model = model_of(&loaded, None)?.2.cast::<f32>();
     let texels = vec![[1.0f32; 4]; model.map_size.iter().product()];
     let view = View { exitance: model.tissue.is_some().then_some(texels.as_slice()), complement: false };
     let count = |walk: &mut dyn FnMut(&mut Path<f32>)| {
@@ -173,7 +173,7 @@ fn climb(ladder: &Ladder, rounds: usize) -> Result<()> {
         pixels(&mut loaded, 27_648.0);
         loaded.scene.render.spp = SAMPLES;
         (ladder.set)(&mut loaded, size);
-        let model = Model::new(&loaded, &surface(&loaded)?, contact_map(&loaded)?)?;
+        let model = model_of(&loaded, None)?.2;
         models.push((model, Settings::of(&loaded.scene.render)));
     }
     for _ in 0..rounds {

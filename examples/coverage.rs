@@ -15,11 +15,9 @@ use statrs::distribution::{Beta, ContinuousCDF};
 use tirtouch::camera::expose;
 use tirtouch::estimate::{Exposed, GreyImage, PaperEstimate, Subtracted, Value, measure};
 use tirtouch::film::Film;
-use tirtouch::mechanics::from_scene::press_setup;
-use tirtouch::mechanics::press::{PressSettings, press};
+use tirtouch::pipeline::{Order, Session};
 use tirtouch::scene::{Camera, LoadedScene, preset};
-use tirtouch::surface::{contact_map, pressed_contact, pressed_surface, surface};
-use tirtouch::trace::{Backend, BackendChoice, Devices, Model, Precision, Settings, render_on};
+use tirtouch::trace::{Backend, BackendChoice, Model, Precision, Settings, render_on};
 
 const THRESHOLD: f64 = 5.0;
 
@@ -72,19 +70,14 @@ impl Bench {
         if let Some(depths) = last {
             depths.drain(..depths.len().saturating_sub(1));
         }
-        let (face, contact) = match loaded.scene.press {
-            None => (surface(&loaded)?, contact_map(&loaded)?),
-            Some(_) => {
-                let setup = press_setup(&loaded)?;
-                let setup = if inclusions { setup } else { setup.without_inclusions() };
-                let pressed = press(&setup, PressSettings::default(), &mut |_| true)?;
-                let step = pressed.steps.last().context("no depth was reached")?;
-                (pressed_surface(&loaded, &pressed, step)?, pressed_contact(&loaded, &pressed, step))
-            }
-        };
-        let model = Model::new(&loaded, &face, contact)?;
+        if let Some(press) = &mut loaded.scene.press {
+            press.estimate_error = false;
+        }
+        let order = Order { without_inclusions: !inclusions, ..Order::of(&loaded.scene) };
+        let mut session = Session::open(BackendChoice::Auto, Precision::F32)?;
+        let model = session.prepare(loaded.clone(), &order, &mut |_| true)?.model;
         let settings = Settings { spp: flags.spp, photons: flags.photons, ..Settings::of(&loaded.scene.render) };
-        let backend = Devices::open(BackendChoice::Auto, Precision::F32)?.load(&model)?;
+        let backend = session.devices().load(&model)?;
         Ok(Self { loaded, model, backend, settings })
     }
 

@@ -13,8 +13,8 @@ mod statistics;
 use anyhow::{Context as _, Result};
 use statistics::{Estimate, Replicates, block_means};
 use std::path::PathBuf;
+use tirtouch::pipeline::model_of;
 use tirtouch::scene::{LoadedScene, preset};
-use tirtouch::surface::{contact_map, surface};
 use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
 use tirtouch::trace::exitance::{Smoothing, TouchedFace};
 use tirtouch::trace::render::REPLICATES;
@@ -74,7 +74,7 @@ fn main() -> Result<()> {
 fn measure(case: &Case, method: Method, texel_mm: f64, rounds: u32, raw: bool) -> Result<Rounds> {
     let mut loaded = preset(case.scene)?;
     loaded.scene.render.map_texel_mm = texel_mm;
-    let mut model = Model::new(&loaded, &surface(&loaded)?, contact_map(&loaded)?)?;
+    let mut model = model_of(&loaded, None)?.2;
     let whole = model.camera.size;
     model.camera.size = case.pixels;
     let spp = loaded.scene.render.spp;
@@ -95,17 +95,17 @@ fn measure(case: &Case, method: Method, texel_mm: f64, rounds: u32, raw: bool) -
     let mut smoothing = Smoothing::default();
     if method == Method::Map && !raw {
         let part = Work { photons: work.photons / u64::from(REPLICATES), ..work };
-        let lights = (0..REPLICATES).map(|k| batch.contact_light(1000 + k, part, &face, &mut |_, _| true));
+        let lights = (0..REPLICATES).map(|k| batch.contact_light(1000 + k, part, &face, &mut |_| true));
         smoothing = face.choose(&lights.collect::<Result<Vec<_>, _>>()?);
         eprintln!("boxes of {:?} texels", smoothing.widths);
     }
     for round in 0..rounds {
         let image = if method == Method::Map {
-            let light = batch.contact_light(round, work, &face, &mut |_, _| true)?;
+            let light = batch.contact_light(round, work, &face, &mut |_| true)?;
             let texels = face.texels(&[light], smoothing).pop().context("a map")?;
-            batch.mapped(round, work, &texels, &mut |_, _| true)?
+            batch.mapped(round, work, &texels, &mut |_| true)?
         } else {
-            batch.replicate(round, work, &mut |_, _| true)?
+            batch.replicate(round, work, &mut |_| true)?
         };
         out.means.rounds.push(masks.iter().map(|mask| statistics::marked_mean(&image, mask)).collect());
         for (blocks, edge) in out.blocks.iter_mut().zip([4, 16]) {

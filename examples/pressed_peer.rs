@@ -11,9 +11,8 @@ use std::io::{Read as _, Write as _};
 use std::path::PathBuf;
 use tirtouch::mechanics::from_scene::press_setup;
 use tirtouch::mechanics::press::{PressSettings, press};
+use tirtouch::pipeline::model_of;
 use tirtouch::scene::load;
-use tirtouch::surface::{pressed_contact, pressed_surface};
-use tirtouch::trace::Model;
 use tirtouch::trace::cpu::{Limits, Path};
 
 fn main() -> Result<()> {
@@ -27,8 +26,7 @@ fn main() -> Result<()> {
     let settings = PressSettings::default();
     let pressed = press(&press_setup(&loaded)?, settings, &mut |_| true)?;
     let step = pressed.steps.last().context("no depth was reached")?;
-    let surface = pressed_surface(&loaded, &pressed, step)?;
-    let model = Model::new(&loaded, &surface, pressed_contact(&loaded, &pressed, step))?;
+    let (surface, _, model) = model_of(&loaded, Some((&pressed, step)))?;
     let path = Path::new(&model, Limits::default());
 
     let mut out: Vec<f64> = Vec::new();

@@ -3,10 +3,9 @@
 use anyhow::{Context as _, Result};
 use std::path::{Path, PathBuf};
 use tirtouch::film::{BlockAccumulator, Film};
-use tirtouch::mechanics::from_scene::press_setup;
-use tirtouch::mechanics::press::{PressSettings, press};
-use tirtouch::scene::{LoadedScene, preset};
-use tirtouch::surface::{contact_map, pressed_contact, pressed_surface, surface};
+use tirtouch::pipeline::{Order, Session};
+use tirtouch::progress::Observer;
+use tirtouch::scene::preset;
 use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
 use tirtouch::trace::exitance::TouchedFace;
 use tirtouch::trace::render::REPLICATES;
@@ -35,17 +34,12 @@ impl Case {
             camera.pixel_pitch_um *= f64::from(camera.pixels[0]) / f64::from(size[0]);
             camera.pixels = size;
         }
-        match loaded.scene.press {
-            Some(_) => pressed(&loaded),
-            None => Ok(Model::new(&loaded, &surface(&loaded)?, contact_map(&loaded)?)?),
+        if let Some(press) = &mut loaded.scene.press {
+            press.estimate_error = false;
         }
+        let order = Order::of(&loaded.scene);
+        Ok(Session::from(Devices::cpu(Precision::F32)).prepare(loaded, &order, &mut |_| true)?.model)
     }
-}
-
-fn pressed(loaded: &LoadedScene) -> Result<Model<f64>> {
-    let pressed = press(&press_setup(loaded)?, PressSettings::default(), &mut |_| true)?;
-    let step = pressed.steps.last().context("no depth was reached")?;
-    Ok(Model::new(loaded, &pressed_surface(loaded, &pressed, step)?, pressed_contact(loaded, &pressed, step))?)
 }
 
 /// The films of seeds `0..count`: rendered on one device, or read where a run before has left them in `folder`.
@@ -95,7 +89,7 @@ fn render(model: &Model<f64>, backend: &mut Backend, case: &Case, seed: u32, spp
     let (method, pacer, totals) = (case.method, Pacer::default(), Totals::default());
     let mut batch = Batch { model, backend, method, seed, pacer, totals };
     let work = Work { spp: spp.div_ceil(REPLICATES), photons: case.photons.div_ceil(REPLICATES.into()) };
-    let go_on = &mut |_: f64, _: &'static str| true;
+    let go_on: &mut Observer = &mut |_| true;
     let images: Vec<Vec<f64>> = if method == Method::Map {
         let face = TouchedFace::new(model);
         let maps =

@@ -6,7 +6,7 @@ mod records;
 mod table;
 
 use super::flags::Backend;
-use super::job::{guides_light, load_scene};
+use super::job::{check_light, load_scene};
 use super::output::{RESULT, SCENE, described};
 use super::{Failure, Outcome, Talk, note, print};
 use crate::scene::LoadedScene;
@@ -73,7 +73,7 @@ impl Converge {
             return Err(Failure::usage(message).in_file(&file));
         }
         if self.only != Some(Only::Mechanics) {
-            guides_light(&loaded, &file)?;
+            check_light(&loaded, &file)?;
         }
         let shrink = self.shrink.unwrap_or(if self.quick { 8 } else { 1 });
         shrink_camera(&mut loaded, shrink);

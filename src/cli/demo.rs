@@ -1,6 +1,6 @@
 //! `demo`: the whole job on a scene that comes with the program.
 
-use super::job::Order;
+use super::job::Job;
 use super::measure::SceneReading;
 use super::run::{Loads, whole_job};
 use super::{Common, Failure, Outcome, OutputFolder, print};
@@ -30,9 +30,9 @@ impl Demo {
         }
         let place = common.out.clone().unwrap_or_else(|| PathBuf::from("out/demo"));
         let folder = OutputFolder::create(&place, common.force || common.out.is_none())?;
-        let job = Order::read(Path::new(SCENE), &common)?.prepare()?;
+        let job = Job::read(Path::new(SCENE), &common)?;
         let reading = SceneReading { subtract_baseline: true, ..SceneReading::default() };
-        let out = whole_job(&job, &reading, &common, Loads::Last, folder)?;
+        let out = whole_job(job, &reading, &common, Loads::Last, folder)?;
         if !(common.talk.json || common.talk.quiet) {
             print(&format!("\nOpen {} in a browser.", out.join("report.html").display()))?;
         }

@@ -1,7 +1,7 @@
 //! `estimate`: the paper's figures of images from anywhere.
 
 use super::facts::{columns, figure};
-use super::job::{load_scene, view};
+use super::job::load_scene;
 use super::measure::{Reading, Threshold, grey_image, less};
 use super::run::said_within;
 use super::{Failure, Outcome, Talk, note, print};
@@ -11,6 +11,7 @@ use crate::estimate::{
     stiffness,
 };
 use crate::image_io::read_radiance;
+use crate::pipeline::view_of;
 use crate::scene::Scene;
 use crate::streams::Streams;
 use clap::Args;
@@ -50,7 +51,7 @@ impl Estimate {
         let camera = self.exposure.as_deref().map(load_scene).transpose()?.map(|(loaded, _)| loaded.scene);
         let calibration = match (self.reading.calibration()?, &camera) {
             (None, Some(scene)) => Some(Calibration {
-                mm_per_pixel: view(scene)?.mm_per_pixel(),
+                mm_per_pixel: view_of(scene)?.mm_per_pixel(),
                 bottom_area_mm2: None,
                 force_n_from_sum_grey: None,
             }),

@@ -2,12 +2,13 @@
 
 use super::facts::{columns, figure};
 use super::flags::positive;
-use super::job::{load_scene, view};
+use super::job::load_scene;
 use super::shot::{camera_json, note_exposure, write_frame};
 use super::{Failure, Outcome, OutputFolder, Talk, note, print};
 use crate::camera::{Frame, Suited, expose};
 use crate::film::Film;
 use crate::image_io::{Provenance, read_radiance};
+use crate::pipeline::view_of;
 use crate::report::{ColorScale, Raster, false_color};
 use crate::scene::{LoadedScene, load_alone, validate};
 use clap::Args;
@@ -108,7 +109,7 @@ impl Expose {
         let placed = |error| Failure::input(format!("{}: {error}", image.display())).in_file(image);
         let frame = expose(film, &scene.camera, scene.light.wavelength_nm, seed).map_err(placed)?;
         let suited = Suited::of(film, &scene.camera, scene.light.wavelength_nm).map_err(placed)?;
-        let mm_per_pixel = view(scene)?.mm_per_pixel();
+        let mm_per_pixel = view_of(scene)?.mm_per_pixel();
         Ok(Exposure { frame, suited, mm_per_pixel, seed, loaded })
     }
 }

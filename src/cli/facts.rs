@@ -1,7 +1,8 @@
 //! The figures of a shot in words, for the terminal and the report.
 
-use super::shot::{Shot, segments_per_second};
+use super::shot::segments_per_second;
 use crate::film::RADIANCE_UNIT;
+use crate::pipeline::Shot;
 
 /// Name and value of what was computed, in reading order.
 pub(super) fn facts(shot: &Shot) -> Vec<(String, String)> {
@@ -18,7 +19,7 @@ pub(super) fn facts(shot: &Shot) -> Vec<(String, String)> {
                 figure(outcome.paths as f64),
                 figure(outcome.photons as f64),
                 outcome.film.replicates,
-                shot.seed
+                shot.prepared.streams.seed
             ),
         ),
         fact(

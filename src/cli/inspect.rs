@@ -1,18 +1,19 @@
 //! `inspect`: what was understood of a scene, and what a render of it would do.
 
 use super::facts::{columns, figure};
-use super::job::{Job, guides_light, load_scene};
+use super::job::{Job, check_light, load_scene, watched};
 use super::pressing::{method_name, press_cost};
 use super::regimes::regimes;
-use super::{Failure, Outcome, Progress, Talk, cancel, print};
+use super::{Failure, Outcome, Talk, print};
 use crate::mechanics::memory::limit_gib;
 use crate::mechanics::press::Cost;
 use crate::optics::{acceptance_deg, critical_deg};
+use crate::pipeline::{Prepared, view_of};
 use crate::scene::LoadedScene;
 use crate::streams::{Role, Streams};
 use crate::surface::Surface;
 use crate::trace::gains::{Gain, gains};
-use crate::trace::{Kernel, Method, Plan, Settings};
+use crate::trace::{Devices, Kernel, Method, Plan, Settings};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -63,26 +64,27 @@ impl LayerAngles {
 impl Inspect {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (loaded, file) = load_scene(&self.scene)?;
-        if guides_light(&loaded, &file).is_err() && !self.gains {
+        if check_light(&loaded, &file).is_err() && !self.gains {
             return self.mechanics(&loaded, &file).map(|()| Outcome::Done);
         }
-        guides_light(&loaded, &file)?;
-        let job = Job::sketch(&self.scene)?;
-        let kernel = Kernel::of(&job.model);
-        let plan = Plan::choose(job.settings.integrator, &kernel)?;
-        let device = match job.devices.load(&job.model) {
+        check_light(&loaded, &file)?;
+        let (job, prepared) = Job::sketch(&self.scene)?;
+        let (devices, model) = (job.session.devices(), &prepared.model);
+        let kernel = Kernel::of(model);
+        let plan = Plan::choose(prepared.settings.integrator, &kernel)?;
+        let device = match devices.load(model) {
             Ok(backend) => Device {
                 backend: Some(backend.name()),
                 adapter: backend.adapter(),
-                notice: job.devices.notice().map(str::to_owned),
+                notice: devices.notice().map(str::to_owned),
             },
             Err(error) => {
                 Device { backend: None, adapter: "none that can do it".into(), notice: Some(error.to_string()) }
             }
         };
-        let press = press_cost(&job.loaded, &self.scene)?;
-        let gains = if self.gains { Some(self.measure(&job)?) } else { None };
-        let seen = Seen { layers: layers(&job), job: &job, kernel, plan, device, press, gains };
+        let press = press_cost(&loaded, &self.scene)?;
+        let gains = if self.gains { Some(self.measure(devices, &prepared)?) } else { None };
+        let seen = Seen { layers: layers(&prepared), prepared: &prepared, kernel, plan, device, press, gains };
         match self.talk.json {
             true => print(&seen.json()?.to_string())?,
             false => print(&seen.text()?)?,
@@ -106,9 +108,9 @@ impl Inspect {
         print(&format!("{}: {}\n\n{}", scene.name, scene.description, columns(&rows)))
     }
 
-    fn measure(&self, job: &Job) -> Result<Vec<Gain>, Failure> {
+    fn measure(&self, devices: &Devices, prepared: &Prepared) -> Result<Vec<Gain>, Failure> {
         let (spp, most) = GAIN_IMAGE;
-        let mut model = job.model.clone();
+        let mut model = prepared.model.clone();
         let camera = &mut model.camera;
         let shrink = camera.size[0].max(camera.size[1]).div_ceil(most);
         camera.size = camera.size.map(|pixels| (pixels / shrink).max(1));
@@ -116,23 +118,19 @@ impl Inspect {
         // No more photons than paths: the fewest that an image has by itself are for its quality, and would hide its
         // paths here.
         let paths = u64::from(camera.size[0]) * u64::from(camera.size[1]) * u64::from(spp);
-        let photons = Some(job.settings.photons.unwrap_or(paths).min(paths));
-        let settings = Settings { spp, photons, ..job.settings.clone() };
-        let other = Streams { role: Role::Timing, ..job.streams.clone() };
-        let progress = Progress::new(self.talk.quiet);
-        Ok(gains(&job.devices, &model, &settings, other.light(), self.rounds, &mut |stage| {
-            progress.observe(stage.done, stage.what);
-            !cancel::requested()
-        })?)
+        let photons = Some(prepared.settings.photons.unwrap_or(paths).min(paths));
+        let settings = Settings { spp, photons, ..prepared.settings.clone() };
+        let other = Streams { role: Role::Timing, ..prepared.streams.clone() };
+        Ok(watched(self.talk.quiet, |observe| gains(devices, &model, &settings, other.light(), self.rounds, observe))?)
     }
 }
 
 /// The angles of every layer, touch side first.
-pub(super) fn layers(job: &Job) -> Vec<LayerAngles> {
-    let stack = &job.scene().stack;
+pub(super) fn layers(prepared: &Prepared) -> Vec<LayerAngles> {
+    let stack = &prepared.scene().stack;
     let n_0 = stack.surround_n;
     let angles = |layer: &crate::scene::Layer| {
-        let n = layer.index(job.scene().light.wavelength_nm);
+        let n = layer.index(prepared.scene().light.wavelength_nm);
         let accepted = acceptance_deg(n, n_0, n_0);
         let note = match accepted {
             None => Some(format!(
@@ -191,7 +189,7 @@ struct Device {
 
 /// All that `inspect` shows.
 struct Seen<'a> {
-    job: &'a Job,
+    prepared: &'a Prepared,
     layers: Vec<LayerAngles>,
     kernel: Kernel,
     plan: Plan,
@@ -212,15 +210,15 @@ impl Seen<'_> {
 
     /// Bytes that a render holds, on the device and in the program, about.
     fn memory(&self) -> [u64; 2] {
-        let [columns, rows] = self.job.model.camera.size.map(u64::from);
+        let [columns, rows] = self.prepared.model.camera.size.map(u64::from);
         let pixels = columns * rows;
-        let texels = (self.job.model.map_size[0] * self.job.model.map_size[1]) as u64;
+        let texels = (self.prepared.model.map_size[0] * self.prepared.model.map_size[1]) as u64;
         let deposits = match self.plan.method {
             Method::Path => 0,
             Method::Splat => 8 * pixels,
             Method::Map => (2 * 8 + 16) * texels,
         };
-        let control = match &self.job.surface {
+        let control = match &self.prepared.surface {
             Surface::Fields(fields) => fields.iter().flatten().map(|field| field.control.len() as u64).sum(),
             Surface::Profiles(profiles) => {
                 profiles.iter().flatten().map(|profile| 4 * profile.cells.len() as u64).sum()
@@ -233,19 +231,19 @@ impl Seen<'_> {
     }
 
     fn json(&self) -> Result<Value, Failure> {
-        let scene = self.job.scene();
+        let scene = self.prepared.scene();
         let [device, program] = self.memory();
         Ok(json!({
             "scene": scene.name,
             "description": scene.description,
             "layers": self.layers,
             "launch_cone_deg": self.launch_cone_deg(),
-            "regimes": regimes(self.job, &self.layers),
-            "surface": self.job.surface.name(),
+            "regimes": regimes(self.prepared, &self.layers),
+            "surface": self.prepared.surface.name(),
             "integrator": self.plan.method.name(),
             "why": self.plan.why,
             "kernel": {"included": self.pieces(true), "left_out": self.pieces(false)},
-            "camera": {"pixels": scene.camera.pixels, "mm_per_pixel": self.job.view()?.mm_per_pixel()},
+            "camera": {"pixels": scene.camera.pixels, "mm_per_pixel": view_of(self.prepared.scene())?.mm_per_pixel()},
             "memory": {"device_bytes": device, "program_bytes": program},
             "press": self.press.map(|cost| cost_json(&cost)),
             "backend": self.device.backend,
@@ -267,7 +265,7 @@ impl Seen<'_> {
     }
 
     fn text(&self) -> Result<String, Failure> {
-        let scene = self.job.scene();
+        let scene = self.prepared.scene();
         let width = self.layers.iter().map(|layer| layer.name.chars().count()).max().unwrap_or(0).max(5);
         let mut text = format!("{}: {}\n\n", scene.name, scene.description);
         let _ = writeln!(
@@ -288,14 +286,14 @@ impl Seen<'_> {
             "\n  light from the edge is trapped within a cone of {:.3} degrees\n",
             self.launch_cone_deg()
         );
-        for regime in regimes(self.job, &self.layers) {
+        for regime in regimes(self.prepared, &self.layers) {
             let _ = writeln!(text, "  - {regime}");
         }
         let [device, program] = self.memory().map(|bytes| figure(bytes as f64 / f64::from(1 << 20)));
         let list = |pieces: Vec<&str>| if pieces.is_empty() { "nothing".to_owned() } else { pieces.join(", ") };
         let row = |name: &str, value: String| (name.to_owned(), value);
         let mut rows = vec![
-            row("surface", self.job.surface.name().to_owned()),
+            row("surface", self.prepared.surface.name().to_owned()),
             row("integrator", format!("{}: {}", self.plan.method.name(), self.plan.why)),
             row("kernel has", list(self.pieces(true))),
             row("leaves out", list(self.pieces(false))),
@@ -305,7 +303,7 @@ impl Seen<'_> {
                     "{} x {} pixels, {} mm each on the touched face",
                     scene.camera.pixels[0],
                     scene.camera.pixels[1],
-                    figure(self.job.view()?.mm_per_pixel())
+                    figure(view_of(self.prepared.scene())?.mm_per_pixel())
                 ),
             ),
             row("memory", format!("about {device} MiB on the device, {program} MiB in the program")),

@@ -1,11 +1,11 @@
 //! The paper's figures of a camera frame.
 
 use super::Failure;
-use super::shot::Shot;
+use super::job::failure;
 use crate::camera::top_grey;
-use crate::estimate::{Calibration, Estimates, Exposed, GreyImage, PaperEstimate, Settings, Subtracted, measure};
-use crate::film::Film;
+use crate::estimate::{Calibration, GreyImage, Settings};
 use crate::image_io::read_grey;
+use crate::pipeline::{self, ReadAs, Reference, Shot};
 use crate::report::Marks;
 use crate::scene::Camera;
 use clap::Args;
@@ -33,22 +33,6 @@ pub(super) struct SceneReading {
     /// Subtract the frame of the same press without inclusions, made along the way (scenes with a press).
     #[arg(long, conflicts_with = "reference")]
     pub subtract_baseline: bool,
-}
-
-/// What was read from one image.
-pub(super) struct Figures {
-    /// The frame that was measured: raw, or less the reference.
-    pub image: GreyImage,
-    pub threshold_grey: f64,
-    pub paper: PaperEstimate,
-    pub estimates: Estimates,
-}
-
-/// What is subtracted from a frame.
-pub(super) struct Reference {
-    pub image: GreyImage,
-    /// What it was exposed from, where that was rendered along the way.
-    pub film: Option<Film>,
 }
 
 impl Reading {
@@ -98,33 +82,16 @@ impl SceneReading {
         shot: &Shot,
         reference: Option<&Reference>,
         calibration: Option<&Calibration>,
-    ) -> Result<Figures, Failure> {
-        let raw = GreyImage::from_frame(&shot.frame)?;
-        let image = match reference {
-            Some(reference) => less(&raw, &reference.image, self.image.reference.as_deref())?,
-            None => raw,
-        };
-        let scene = shot.job.scene();
-        let expose = |film| Exposed::new(film, &scene.camera, scene.light.wavelength_nm);
-        let frame = expose(&shot.outcome.film)?;
-        let other = reference.and_then(|reference| reference.film.as_ref()).map(expose).transpose()?;
-        let subtracted = match (&other, reference) {
-            (Some(frame), _) => Subtracted::Frame(frame),
-            (None, Some(reference)) => Subtracted::Image(&reference.image),
-            (None, None) => Subtracted::Nothing,
-        };
-        let mm_per_pixel = calibration.map_or(shot.mm_per_pixel, |calibration| calibration.mm_per_pixel);
-        let threshold_grey = self.threshold_grey(&scene.camera);
-        let paper = measure(&image, &frame, subtracted, threshold_grey).scaled(mm_per_pixel);
-        Ok(Figures { image, threshold_grey, paper, estimates: Estimates::without_model() })
+    ) -> Result<pipeline::Reading, Failure> {
+        let threshold_grey = self.threshold_grey(&shot.prepared.scene().camera);
+        let path = self.image.reference.as_deref().unwrap_or(Path::new("reference"));
+        shot.read(&ReadAs { threshold_grey, reference, calibration }).map_err(|error| failure(error, path))
     }
 }
 
-impl Figures {
-    /// What is drawn on the frame that was measured.
-    pub fn marks(&self) -> Marks {
-        Marks { threshold: self.threshold_grey, centroid_px: self.paper.centroid_px.best().copied() }
-    }
+/// What is drawn on the frame that was measured.
+pub(super) fn marks(reading: &pipeline::Reading) -> Marks {
+    Marks { threshold: reading.threshold_grey, centroid_px: reading.paper.centroid_px.best().copied() }
 }
 
 /// An image less a reference; a mistake names the reference.

@@ -2,29 +2,30 @@
 
 use super::facts::{figure, mean_radiance};
 use super::inspect::layers;
-use super::measure::{Figures, SceneReading};
+use super::measure::SceneReading;
 use super::output::command_line;
 use super::press_files::PressPictures;
 use super::press_page::press_section;
 use super::regimes::regimes;
-use super::shot::{CameraPictures, Pictures, Shot};
+use super::shot::{CameraPictures, Pictures};
 use super::truth::Truth;
 use crate::estimate::Value;
+use crate::pipeline::{Reading, Shot};
 use crate::report::{Item, Report, Section, Table};
 
 /// Makes the report.
 pub(super) fn report(
     shot: &Shot,
-    figures: &Figures,
+    figures: &Reading,
     reading: &SceneReading,
     truth: &Truth,
     pictures: &Pictures,
     seen: &CameraPictures,
     press: Option<&PressPictures>,
 ) -> Report {
-    let scene = shot.job.scene();
+    let scene = shot.prepared.scene();
     let mut sections = vec![camera(shot, reading, seen), estimates(figures, reading, truth)];
-    if let (Some((pressed, _)), Some(pictures)) = (shot.job.pressed(), press) {
+    if let (Some((pressed, _)), Some(pictures)) = (shot.prepared.pressed(), press) {
         sections.push(press_section(pressed, pictures));
     }
     sections.extend([light(shot, pictures), stack(shot)]);
@@ -37,12 +38,12 @@ pub(super) fn report(
     }
 }
 
-fn summary(shot: &Shot, figures: &Figures) -> String {
+fn summary(shot: &Shot, figures: &Reading) -> String {
     let lit = match &figures.paper.diameter_mm {
         Value::Known { value, .. } => format!("The lit area is {} mm across.", figure(*value)),
         Value::Undefined { reason } => format!("The diameter of the lit area is undefined: {reason}."),
     };
-    format!("{} {lit}", shot.job.scene().description)
+    format!("{} {lit}", shot.prepared.scene().description)
 }
 
 /// The figures in few words; the text below says more.
@@ -69,7 +70,7 @@ pub(super) fn picture(svg: &str, alt: &str, caption: impl Into<String>) -> Item 
 }
 
 fn camera(shot: &Shot, reading: &SceneReading, seen: &CameraPictures) -> Section {
-    let sensor = &shot.job.scene().camera.sensor;
+    let sensor = &shot.prepared.scene().camera.sensor;
     let exposure = format!(
         "Grey levels of camera.png: {} ms at f/{}, full well {} electrons, {} bits.",
         figure(sensor.exposure_ms),
@@ -89,7 +90,7 @@ fn camera(shot: &Shot, reading: &SceneReading, seen: &CameraPictures) -> Section
     Section { title: "What the camera sees".into(), items }
 }
 
-fn estimates(figures: &Figures, reading: &SceneReading, truth: &Truth) -> Section {
+fn estimates(figures: &Reading, reading: &SceneReading, truth: &Truth) -> Section {
     let image = match reading.reference_name() {
         Some(name) => format!("the frame less {name}"),
         None => "the raw frame".to_owned(),
@@ -129,7 +130,7 @@ fn light(shot: &Shot, pictures: &Pictures) -> Section {
 }
 
 fn stack(shot: &Shot) -> Section {
-    let layers = layers(shot.job);
+    let layers = layers(shot.prepared);
     let rows = layers.iter().map(|layer| {
         vec![
             layer.name.clone(),
@@ -146,7 +147,7 @@ fn stack(shot: &Shot) -> Section {
         rows: rows.collect(),
     };
     let mut items = vec![Item::Table(table)];
-    items.extend(regimes(shot.job, &layers).into_iter().map(|text| Item::Text(sentence(&text))));
+    items.extend(regimes(shot.prepared, &layers).into_iter().map(|text| Item::Text(sentence(&text))));
     Section { title: "Stack".into(), items }
 }
 
@@ -159,9 +160,9 @@ fn sentence(text: &str) -> String {
 fn provenance(shot: &Shot) -> Vec<(String, String)> {
     let pair = |name: &str, value: String| (name.to_owned(), value);
     vec![
-        pair("scene", shot.job.scene().name.clone()),
-        pair("scene's SHA-256", shot.job.loaded.sha256.clone()),
-        pair("seed", shot.seed.to_string()),
+        pair("scene", shot.prepared.scene().name.clone()),
+        pair("scene's SHA-256", shot.prepared.loaded.sha256.clone()),
+        pair("seed", shot.prepared.streams.seed.to_string()),
         pair("adapter", shot.outcome.adapter.clone()),
         pair("version", env!("CARGO_PKG_VERSION").to_owned()),
         pair("command", command_line()),

@@ -1,10 +1,10 @@
 //! `press`: mechanics only.
 
 use super::facts::columns;
-use super::job::load_scene;
+use super::job::{load_scene, press_scene};
 use super::press_files::write_press;
 use super::press_page::press_report;
-use super::pressing::{PressFailure, Wanted, press_json, press_rows, press_scene};
+use super::pressing::{PressFailure, press_json, press_rows};
 use super::truth::Truth;
 use super::{Failure, Outcome, OutputFolder, Talk, print};
 use crate::mechanics::press::{PressError, Pressed};
@@ -36,7 +36,6 @@ pub(super) struct Press {
 impl Press {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (loaded, file) = load_scene(&self.scene)?;
-        let wanted = Wanted { without_inclusions: self.without_inclusions, coarse: false, quiet: self.talk.quiet };
         if loaded.scene.press.is_none() {
             let message = format!("{}: {}", file.display(), PressError::NoPress);
             return Err(Failure::input(message).in_file(&file).at_key("press"));
@@ -44,7 +43,7 @@ impl Press {
         let name = loaded.scene.name.clone();
         let place = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&name));
         let folder = OutputFolder::create(&place, self.force)?;
-        match press_scene(&loaded, &file, wanted, None) {
+        match press_scene(&loaded, &file, self.without_inclusions, self.talk.quiet) {
             Ok(pressed) => self.finish(&loaded, &pressed, folder, None).map(|()| Outcome::Done),
             Err(PressFailure { failure, reached: Some(reached) }) if !reached.steps.is_empty() => {
                 self.finish(&loaded, &reached, folder, Some(&failure))?;

@@ -1,65 +1,18 @@
-//! Presses a scene's phantom, and says what came of it.
+//! What is said of a press.
 
+use super::Failure;
 use super::facts::figure;
-use super::{Failure, Progress, cancel};
 use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::newton::Method;
 use crate::mechanics::path::PathError;
-use crate::mechanics::press::{Cost, PressError, PressSettings, PressStep, Pressed, Rounding, Setup, press_near};
+use crate::mechanics::press::{Cost, PressError, PressStep, Pressed, Rounding, Setup};
 use crate::scene::LoadedScene;
 use serde_json::{Value, json};
 use std::path::Path;
 
 /// Why there are no mechanics.
 pub(super) const NO_MECHANICS: &str = "the scene presses nothing: it prescribes shape and contact, or has neither";
-
-/// How a press is wanted.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Wanted {
-    /// The phantom without its inclusions, on the same mesh.
-    pub without_inclusions: bool,
-    /// Elements of twice the size and no estimate of the error: for a quick look.
-    pub coarse: bool,
-    /// No progress.
-    pub quiet: bool,
-}
-
-/// Presses, from what a press much like it found if there is one, showing how far it is. Ctrl-C stops it.
-pub(super) fn press_scene(
-    loaded: &LoadedScene,
-    file: &Path,
-    wanted: Wanted,
-    near: Option<&Pressed>,
-) -> Result<Pressed, PressFailure> {
-    let setup = press_setup(loaded).map_err(|error| PressFailure::of(error, file))?;
-    let setup = if wanted.without_inclusions { setup.without_inclusions() } else { setup };
-    let setup = if wanted.coarse { sketch(&setup) } else { setup };
-    let asked = loaded.scene.press.as_ref().is_some_and(|press| press.estimate_error);
-    let settings = PressSettings { estimate_error: asked && !wanted.coarse, ..PressSettings::default() };
-    let progress = Progress::new(wanted.quiet);
-    let pressed = press_near(&setup, near, settings, &mut |stage| {
-        progress.observe(stage.done, stage.what);
-        !cancel::requested()
-    });
-    drop(progress);
-    pressed.map_err(|error| PressFailure::of(error, file))
-}
-
-/// The same press on elements of twice the size; in three dimensions on larger ones still, until it takes a moment.
-fn sketch(setup: &Setup) -> Setup {
-    let mut sketch = setup.halved();
-    for _ in 0..2 {
-        match Cost::of(&sketch, None) {
-            Ok(cost) if cost.unknowns > SKETCHED_UNKNOWNS => sketch = sketch.halved(),
-            _ => break,
-        }
-    }
-    sketch
-}
-
-/// Unknowns of a press that a look at a scene waits for.
-const SKETCHED_UNKNOWNS: usize = 30_000;
 
 /// What the press of a scene will take, if it has one.
 pub(super) fn press_cost(loaded: &LoadedScene, file: &Path) -> Result<Option<Cost>, Failure> {

@@ -2,23 +2,23 @@
 
 use super::facts::figure;
 use super::inspect::LayerAngles;
-use super::job::Job;
+use crate::pipeline::Prepared;
 use crate::scene::{Mount, Roughness, Shape};
 
 /// Rounding of a cut-off that was copied from a table of acceptance angles, degrees.
 const COPIED_DEG: f64 = 1e-3;
 
 /// The sentences, from the LEDs to the camera.
-pub(super) fn regimes(job: &Job, layers: &[LayerAngles]) -> Vec<String> {
-    let touched = job.contact.is_some();
-    let smooth = !rough(job);
-    let undisturbed = !touched && smooth && matches!(job.scene().touch.shape, Shape::Flat);
-    let mut said = vec![launch(job, layers, undisturbed)];
-    if job.surface.is_deformed() {
+pub(super) fn regimes(prepared: &Prepared, layers: &[LayerAngles]) -> Vec<String> {
+    let touched = prepared.contact.is_some();
+    let smooth = !rough(prepared);
+    let undisturbed = !touched && smooth && matches!(prepared.scene().touch.shape, Shape::Flat);
+    let mut said = vec![launch(prepared, layers, undisturbed)];
+    if prepared.surface.is_deformed() {
         let inner = if touched { "" } else { ": without contact or roughness these are all the camera sees" };
         said.push(format!("the deformed face is mirror-smooth and shows sharp glints of the LEDs{inner}"));
     }
-    if let Some(contact) = &job.contact {
+    if let Some(contact) = &prepared.contact {
         let shares = contact.share.iter().copied().chain((contact.columns == 0).then_some(contact.uniform));
         let (least, most) = shares.fold((f64::INFINITY, 0.0f64), |(low, high), v| (low.min(v), high.max(v)));
         let range = if least == most { figure(most) } else { format!("{} to {}", figure(least), figure(most)) };
@@ -32,15 +32,15 @@ pub(super) fn regimes(job: &Job, layers: &[LayerAngles]) -> Vec<String> {
     said
 }
 
-fn rough(job: &Job) -> bool {
-    let stack = &job.scene().stack;
+fn rough(prepared: &Prepared) -> bool {
+    let stack = &prepared.scene().stack;
     let uppers = stack.layer.iter().map(|layer| layer.upper_roughness);
     uppers.chain([stack.lower_roughness]).any(|roughness| roughness != Roughness::None)
 }
 
 /// What becomes of the light as it is launched.
-fn launch(job: &Job, layers: &[LayerAngles], undisturbed: bool) -> String {
-    let leds = &job.scene().led;
+fn launch(prepared: &Prepared, layers: &[LayerAngles], undisturbed: bool) -> String {
+    let leds = &prepared.scene().led;
     if leds.iter().any(|led| led.mount == Mount::Bonded) {
         return "LEDs are bonded to the edge and send light at every angle: what is steeper than the critical angle \
                 leaves at once, also from a flat stack"

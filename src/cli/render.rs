@@ -1,8 +1,7 @@
 //! `render`: the light of a scene, as radiance and as the camera sees it.
 
 use super::facts::{columns, facts, ledger};
-use super::job::Order;
-use super::shot::Shot;
+use super::job::Job;
 use super::truth::Truth;
 use super::{Common, Failure, Outcome, OutputFolder, print};
 use clap::Args;
@@ -21,14 +20,14 @@ pub(super) struct Render {
 impl Render {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let common = &self.common;
-        let order = Order::read(&self.scene, common)?;
-        let folder = OutputFolder::create(&common.destination(order.name()), common.force)?;
-        let job = order.prepare()?;
-        let shot = Shot::take(&job, common.talk.quiet)?;
+        let mut job = Job::read(&self.scene, common)?;
+        let folder = OutputFolder::create(&common.destination(job.name()), common.force)?;
+        let prepared = job.prepare()?;
+        let shot = job.shoot(&prepared)?;
         shot.note_exposure(common.talk.quiet);
-        shot.write(&folder)?;
-        let truth = Truth::of(job.scene().phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
-        let mut result = Value::Object(shot.json());
+        let pictures = shot.write(&folder)?;
+        let truth = Truth::of(prepared.scene().phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
+        let mut result = Value::Object(shot.json(pictures.files_seconds));
         result["truth"] = truth.json();
         let done = folder.commit(Some(&job.loaded.text), result)?;
         if common.talk.json {
@@ -38,7 +37,7 @@ impl Render {
             let mut rows = facts(&shot);
             rows.push(("light".into(), ledger(&shot)));
             rows.push(("folder".into(), format!("{out}: camera.png radiance.exr radiance.svg relief.svg side.svg")));
-            print(&format!("{}\n{}", job.scene().name, columns(&rows)))?;
+            print(&format!("{}\n{}", job.name(), columns(&rows)))?;
         }
         Ok(Outcome::Done)
     }

@@ -1,16 +1,16 @@
 //! `run`: from a scene to estimates and a report.
 
 use super::facts::{columns, facts, figure, interval, ledger};
-use super::job::{Job, Order};
-use super::measure::{Figures, Reference, SceneReading};
+use super::job::Job;
+use super::measure::SceneReading;
 use super::page::report;
 use super::press_files::write_press;
 use super::pressing::{NO_MECHANICS, press_json, press_rows};
-use super::shot::Shot;
 use super::truth::Truth;
 use super::{Common, Failure, Outcome, OutputFolder, print};
-use crate::estimate::{GreyImage, Value as Estimate};
+use crate::estimate::Value as Estimate;
 use crate::mechanics::press::Load;
+use crate::pipeline::{Prepared, Reading, Reference, Shot};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -28,10 +28,9 @@ pub(super) struct Run {
 
 impl Run {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let order = Order::read(&self.scene, &self.common)?;
-        let folder = OutputFolder::create(&self.common.destination(order.name()), self.common.force)?;
-        let job = order.prepare()?;
-        whole_job(&job, &self.reading, &self.common, Loads::All, folder).map(|_| Outcome::Done)
+        let job = Job::read(&self.scene, &self.common)?;
+        let folder = OutputFolder::create(&self.common.destination(job.name()), self.common.force)?;
+        whole_job(job, &self.reading, &self.common, Loads::All, folder).map(|_| Outcome::Done)
     }
 }
 
@@ -46,37 +45,39 @@ pub(super) enum Loads {
 
 /// Does the whole job, writes its folder and prints its figures; gives the folder's place.
 pub(super) fn whole_job(
-    job: &Job,
+    mut job: Job,
     reading: &SceneReading,
     common: &Common,
     loads: Loads,
     folder: OutputFolder,
 ) -> Result<PathBuf, Failure> {
     let calibration = reading.image.calibration()?;
+    let prepared = job.prepare()?;
+    let scene = prepared.scene();
     let reference = match reading.subtract_baseline {
-        true => Some(baseline(job, common, &folder)?),
-        false => reading.reference(&job.scene().camera)?,
+        true => Some(baseline(&job, &prepared, &folder)?),
+        false => reading.reference(&scene.camera)?,
     };
     let earlier = match loads {
-        Loads::All => earlier_loads(job, common, &folder)?,
+        Loads::All => earlier_loads(&job, &prepared, &folder)?,
         Loads::Last => Vec::new(),
     };
-    let shot = Shot::take(job, common.talk.quiet)?;
+    let shot = job.shoot(&prepared)?;
     shot.note_exposure(common.talk.quiet);
     let figures = reading.of_shot(&shot, reference.as_ref(), calibration.as_ref())?;
     let pictures = shot.write(&folder)?;
     let seen = shot.camera_pictures(&figures, reading.reference_name().as_deref())?;
     folder.write("camera_false_color.svg", &seen.false_color)?;
     folder.write("camera_relief.svg", &seen.relief)?;
-    let lift_mm = job.scene().stack.height_mm();
-    let press = match job.pressed() {
-        Some((pressed, _)) => Some(write_press(&job.scene().name, pressed, lift_mm, &folder)?),
+    let lift_mm = scene.stack.height_mm();
+    let press = match prepared.pressed() {
+        Some((pressed, _)) => Some(write_press(&scene.name, pressed, lift_mm, &folder)?),
         None => None,
     };
-    let truth = Truth::of(job.scene().phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
+    let truth = Truth::of(scene.phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
     let page = report(&shot, &figures, reading, &truth, &pictures, &seen, press.as_ref());
     folder.write("report.html", &page.to_html())?;
-    let mut result = json(&shot, &figures, reading, &earlier);
+    let mut result = json(&shot, pictures.files_seconds, &figures, reading, &earlier);
     result["truth"] = truth.json();
     let done = folder.commit(Some(&job.loaded.text), result)?;
     match common.talk.json {
@@ -87,35 +88,35 @@ pub(super) fn whole_job(
 }
 
 /// The frame of the same press without inclusions, with random numbers of its own; written as baseline.png.
-fn baseline(job: &Job, common: &Common, folder: &OutputFolder) -> Result<Reference, Failure> {
-    let baseline = job.baseline(common.talk.quiet)?;
-    let shot = Shot::take(&baseline, common.talk.quiet)?;
+fn baseline(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Result<Reference, Failure> {
+    let baseline = job.baseline(prepared)?;
+    let shot = job.shoot(&baseline)?;
     shot.write_frame(folder, "baseline.png")?;
-    Ok(Reference { image: GreyImage::from_frame(&shot.frame)?, film: Some(shot.outcome.film) })
+    Ok(shot.as_reference()?)
 }
 
 /// Frames of the loads before the last, written as camera_DEPTHmm.png, or of the steps as camera_NUMBER.png.
-fn earlier_loads(job: &Job, common: &Common, folder: &OutputFolder) -> Result<Vec<Value>, Failure> {
-    let Some((pressed, _)) = job.pressed() else { return Ok(Vec::new()) };
+fn earlier_loads(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Result<Vec<Value>, Failure> {
+    let Some((pressed, _)) = prepared.pressed() else { return Ok(Vec::new()) };
     let before = pressed.steps.len().saturating_sub(1);
     let mut frames = Vec::with_capacity(before);
     for (k, step) in pressed.steps[..before].iter().enumerate() {
-        let job = job.at_step(k)?;
-        let shot = Shot::take(&job, common.talk.quiet)?;
+        let prepared = job.at_load(prepared, k)?;
+        let shot = job.shoot(&prepared)?;
         let file = match pressed.setup.load {
             Load::Path(_) => format!("camera_{}.png", k + 1),
             _ => format!("camera_{}mm.png", figure(step.depth_mm)),
         };
         shot.write_frame(folder, &file)?;
         let [depth, slide, hold] = [json!(step.depth_mm), json!(step.slide_mm), json!(step.hold_s)];
-        let camera = &shot.json()["camera"];
+        let camera = shot.camera_json();
         frames.push(json!({"depth_mm": depth, "slide_mm": slide, "hold_s": hold, "file": file, "camera": camera}));
     }
     Ok(frames)
 }
 
-fn json(shot: &Shot, figures: &Figures, reading: &SceneReading, earlier: &[Value]) -> Value {
-    let mut object = shot.json();
+fn json(shot: &Shot, files_seconds: f64, figures: &Reading, reading: &SceneReading, earlier: &[Value]) -> Value {
+    let mut object = shot.json(files_seconds);
     if let Some(Value::Object(camera)) = object.get_mut("camera") {
         let lit = shot.frame.grey.iter().filter(|&&grey| f64::from(grey) > figures.threshold_grey).count();
         camera.insert("lit_pixels".into(), json!(lit));
@@ -125,7 +126,7 @@ fn json(shot: &Shot, figures: &Figures, reading: &SceneReading, earlier: &[Value
     paper["reference"] = json!(reading.reference_name());
     object.insert("paper".into(), paper);
     object.insert("estimates".into(), json!(figures.estimates));
-    let mechanics = match shot.job.pressed() {
+    let mechanics = match shot.prepared.pressed() {
         Some((pressed, _)) => press_json(pressed),
         None => json!({"undefined": NO_MECHANICS}),
     };
@@ -134,11 +135,11 @@ fn json(shot: &Shot, figures: &Figures, reading: &SceneReading, earlier: &[Value
     Value::Object(object)
 }
 
-fn text(shot: &Shot, figures: &Figures, truth: &Truth, out: &str) -> String {
+fn text(shot: &Shot, figures: &Reading, truth: &Truth, out: &str) -> String {
     let (paper, estimates) = (&figures.paper, &figures.estimates);
     let row = |name: &str, value: String| (name.to_owned(), value);
     let mut rows = facts(shot);
-    match shot.job.pressed() {
+    match shot.prepared.pressed() {
         Some((pressed, _)) => rows.extend(press_rows(pressed)),
         None => rows.push(row("mechanics", format!("none: {NO_MECHANICS}"))),
     }
@@ -163,7 +164,7 @@ fn text(shot: &Shot, figures: &Figures, truth: &Truth, out: &str) -> String {
     rows.extend(paper.warnings.iter().map(|warning| row("note", warning.clone())));
     rows.push(row("folder", out.to_owned()));
     rows.push(row("report", format!("{out}/report.html")));
-    format!("{}\n{}", shot.job.scene().name, columns(&rows))
+    format!("{}\n{}", shot.prepared.scene().name, columns(&rows))
 }
 
 /// A value with its 95 % interval, or why there is none.

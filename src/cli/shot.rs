@@ -1,34 +1,20 @@
-//! A finished image: the camera's frame of it, its figures, and the files that show it.
+//! What is said and shown of a shot, and its files.
 
 use super::facts::figure;
-use super::job::Job;
-use super::measure::Figures;
+use super::measure::marks;
 use super::output::command_of_light;
 use super::side::side_picture;
 use super::{Failure, OutputFolder, note};
-use crate::camera::{Frame, Suited, expose};
+use crate::camera::{Frame, Suited};
 use crate::film::RADIANCE_UNIT;
 use crate::image_io::{Provenance, write_png_grey, write_radiance_as};
+use crate::pipeline::{Reading, Shot};
 use crate::report::{ColorScale, Raster, false_color, false_color_with, relief};
 use crate::trace::Outcome;
 use crate::trace::batch::Times;
 use crate::trace::exitance::Smoothing;
 use serde_json::{Map, Value, json};
-use std::cell::Cell;
 use std::time::Instant;
-
-/// An image with the camera's view of it.
-pub(super) struct Shot<'a> {
-    pub job: &'a Job,
-    pub outcome: Outcome,
-    pub frame: Frame,
-    pub suited: Suited,
-    pub mm_per_pixel: f64,
-    /// The user's.
-    pub seed: u32,
-    /// Time to draw and write its files, seconds; 0 before.
-    files_seconds: Cell<f64>,
-}
 
 /// Pictures of the camera's frame, as SVG.
 pub(super) struct CameraPictures {
@@ -41,62 +27,52 @@ pub(super) struct Pictures {
     pub radiance: String,
     pub relief: String,
     pub side: String,
+    /// Time to draw and write all files of the shot, seconds.
+    pub files_seconds: f64,
 }
 
-impl<'a> Shot<'a> {
-    /// Traces the image and exposes it.
-    pub fn take(job: &'a Job, quiet: bool) -> Result<Self, Failure> {
-        let [width, height] = job.scene().camera.pixels;
-        // What is wrong with the exposure must not show after an hour of tracing.
-        job.electrons(vec![0.0; width as usize * height as usize])?;
-        let outcome = job.trace(quiet)?;
-        let (scene, seed) = (job.scene(), job.streams.seed);
-        let frame = expose(&outcome.film, &scene.camera, scene.light.wavelength_nm, job.streams.sensor())?;
-        let suited = Suited::of(&outcome.film, &scene.camera, scene.light.wavelength_nm)?;
-        let mm_per_pixel = job.view()?.mm_per_pixel();
-        Ok(Self { job, outcome, frame, suited, mm_per_pixel, seed, files_seconds: Cell::new(0.0) })
-    }
-
+impl Shot<'_> {
     /// Writes radiance, camera image and pictures.
-    pub fn write(&self, folder: &OutputFolder) -> Result<Pictures, Failure> {
+    pub(super) fn write(&self, folder: &OutputFolder) -> Result<Pictures, Failure> {
         let start = Instant::now();
         let film = &self.outcome.film;
         let variances = self.outcome.unseen.variances(film);
         write_radiance_as(&folder.path("radiance.exr"), film, &variances, &self.provenance())?;
         self.write_frame(folder, "camera.png")?;
-        let pictures = self.pictures()?;
+        let mut pictures = self.pictures()?;
         folder.write("radiance.svg", &pictures.radiance)?;
         folder.write("relief.svg", &pictures.relief)?;
         folder.write("side.svg", &pictures.side)?;
-        self.files_seconds.set(start.elapsed().as_secs_f64());
+        pictures.files_seconds = start.elapsed().as_secs_f64();
         Ok(pictures)
     }
 
     /// Writes the camera's frame.
-    pub fn write_frame(&self, folder: &OutputFolder, name: &str) -> Result<(), Failure> {
+    pub(super) fn write_frame(&self, folder: &OutputFolder, name: &str) -> Result<(), Failure> {
         write_frame(&self.frame, folder, name)
     }
 
     fn pictures(&self) -> Result<Pictures, Failure> {
         let values: Vec<f64> = self.outcome.film.mean.iter().map(|&v| f64::from(v)).collect();
         let raster = self.raster(&values, "radiance", RADIANCE_UNIT);
-        let title = format!("{}: radiance", self.job.scene().name);
+        let title = format!("{}: radiance", self.prepared.scene().name);
         let scale = scale_of(&values);
         Ok(Pictures {
             radiance: false_color(&title, &raster, scale)?,
             relief: relief(&title, &raster, scale)?,
-            side: side_picture(self.job, self.seed)?,
+            side: side_picture(self.prepared, self.prepared.streams.seed)?,
+            files_seconds: 0.0,
         })
     }
 
     /// The frame that was measured, in false colour with what was measured, and as a relief. `less` is what was
     /// subtracted.
-    pub fn camera_pictures(&self, figures: &Figures, less: Option<&str>) -> Result<CameraPictures, Failure> {
+    pub(super) fn camera_pictures(&self, figures: &Reading, less: Option<&str>) -> Result<CameraPictures, Failure> {
         let raster = self.raster(figures.image.grey(), "grey level", "");
         let less = less.map_or_else(String::new, |name| format!(" less {name}"));
-        let title = format!("{}: camera{less}", self.job.scene().name);
+        let title = format!("{}: camera{less}", self.prepared.scene().name);
         Ok(CameraPictures {
-            false_color: false_color_with(&title, &raster, ColorScale::Linear, &figures.marks())?,
+            false_color: false_color_with(&title, &raster, ColorScale::Linear, &marks(figures))?,
             relief: relief(&title, &raster, ColorScale::Linear)?,
         })
     }
@@ -111,11 +87,11 @@ impl<'a> Shot<'a> {
         let outcome = &self.outcome;
         Provenance {
             unit: RADIANCE_UNIT.into(),
-            scene_name: self.job.scene().name.clone(),
-            scene_sha256: self.job.loaded.sha256.clone(),
-            seed: self.seed,
-            stream: Some(self.job.settings.seed),
-            sensor_seed: Some(self.job.streams.sensor()),
+            scene_name: self.prepared.scene().name.clone(),
+            scene_sha256: self.prepared.loaded.sha256.clone(),
+            seed: self.prepared.streams.seed,
+            stream: Some(self.prepared.settings.seed),
+            sensor_seed: Some(self.prepared.streams.sensor()),
             spp: u32::try_from(outcome.spp).unwrap_or(u32::MAX),
             photons: outcome.photons,
             integrator: outcome.plan.method.name().into(),
@@ -127,8 +103,8 @@ impl<'a> Shot<'a> {
         }
     }
 
-    /// What `--json` says of a render.
-    pub fn json(&self) -> Map<String, Value> {
+    /// What `--json` says of a render whose files took so long.
+    pub(super) fn json(&self, files_seconds: f64) -> Map<String, Value> {
         let outcome = &self.outcome;
         let relative = match outcome.relative_error {
             Some(error) => json!(error),
@@ -144,15 +120,15 @@ impl<'a> Shot<'a> {
             json!({"edge_pixels": edge, "relative_error": relative})
         };
         let object = json!({
-            "scene": self.job.scene().name,
+            "scene": self.prepared.scene().name,
             "backend": outcome.backend,
             "adapter": outcome.adapter,
             "notice": outcome.notice,
             "integrator": outcome.plan.method.name(),
             "why": outcome.plan.why,
-            "seed": self.seed,
-            "stream": self.job.settings.seed,
-            "random_numbers": self.job.streams.sharing.name(),
+            "seed": self.prepared.streams.seed,
+            "stream": self.prepared.settings.seed,
+            "random_numbers": self.prepared.streams.sharing.name(),
             "spp": outcome.spp,
             "replicates": outcome.film.replicates,
             "paths": outcome.paths,
@@ -162,7 +138,7 @@ impl<'a> Shot<'a> {
             "segments": outcome.segments,
             "setup_seconds": outcome.setup_seconds,
             "seconds": outcome.seconds,
-            "stages_seconds": self.stages(),
+            "stages_seconds": self.stages(files_seconds),
             "segments_per_second": segments_per_second(outcome),
             "mean_radiance": outcome.mean_radiance,
             "relative_error": relative,
@@ -180,25 +156,25 @@ impl<'a> Shot<'a> {
     }
 
     /// Where the time went, seconds.
-    fn stages(&self) -> Value {
+    fn stages(&self, files_seconds: f64) -> Value {
         let outcome = &self.outcome;
-        let press = self.job.pressed().map_or(0.0, |(pressed, _)| pressed.seconds + pressed.error_seconds);
+        let press = self.prepared.pressed().map_or(0.0, |(pressed, _)| pressed.seconds + pressed.error_seconds);
         let Times { photons, map, camera, ledger } = outcome.times;
         json!({
             "mechanics": press,
-            "surface": self.job.surface_seconds,
+            "surface": self.prepared.surface_seconds,
             "setup": outcome.setup_seconds,
             "photons": photons,
             "map": map,
             "camera": camera,
             "ledger": ledger,
             "sums": outcome.seconds - photons - map - camera,
-            "files": self.files_seconds.get(),
+            "files": files_seconds,
         })
     }
 
     fn map_json(&self, smoothing: Smoothing) -> Value {
-        let texel_mm = self.job.scene().render.map_texel_mm;
+        let texel_mm = self.prepared.scene().render.map_texel_mm;
         json!({
             "texel_mm": texel_mm,
             "smoothing_mm": smoothing.widths.map(|width| width as f64 * texel_mm),
@@ -206,22 +182,22 @@ impl<'a> Shot<'a> {
         })
     }
 
-    fn camera_json(&self) -> Value {
+    pub(super) fn camera_json(&self) -> Value {
         camera_json(&self.frame, self.mm_per_pixel, &self.suited)
     }
 
     /// Notes an exposure that does not suit the image, unless `quiet`.
-    pub fn note_exposure(&self, quiet: bool) {
-        note_exposure(&self.suited, self.job.scene().camera.sensor.exposure_ms, quiet);
+    pub(super) fn note_exposure(&self, quiet: bool) {
+        note_exposure(&self.suited, self.prepared.scene().camera.sensor.exposure_ms, quiet);
     }
 
     /// Highest grey level of the camera's frame.
-    pub fn max_grey(&self) -> u16 {
+    pub(super) fn max_grey(&self) -> u16 {
         self.frame.max_grey()
     }
 
     /// Pixels of the camera's frame at its top grey level.
-    pub fn saturated_pixels(&self) -> usize {
+    pub(super) fn saturated_pixels(&self) -> usize {
         self.frame.saturated_pixels()
     }
 }

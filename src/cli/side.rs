@@ -1,7 +1,7 @@
 //! The side view of a scene: the stack in the section y = 0 with some rays.
 
 use super::Failure;
-use super::job::Job;
+use crate::pipeline::{Prepared, view_of};
 use crate::report::side_view::{SideLayer, SideLed};
 use crate::report::{Fate, RayPolyline, SideView, side_view};
 use crate::trace::cpu::End;
@@ -21,32 +21,32 @@ const DRAWN: [(Fate, bool, usize); 5] = [
 const PLACES: usize = 301;
 
 /// Draws the side view.
-pub(super) fn side_picture(job: &Job, seed: u32) -> Result<String, Failure> {
-    let scene = job.scene();
+pub(super) fn side_picture(prepared: &Prepared, seed: u32) -> Result<String, Failure> {
+    let scene = prepared.scene();
     let lambda = scene.light.wavelength_nm;
     let half_width_mm = 0.5 * scene.stack.footprint_mm[0];
-    let mut interfaces_mm = interface_profiles(&job.model, PLACES);
+    let mut interfaces_mm = interface_profiles(&prepared.model, PLACES);
     interfaces_mm.reverse();
     let layer = |layer: &crate::scene::Layer| SideLayer {
         name: layer.name.clone(),
         n: layer.index(lambda),
         thickness_mm: layer.thickness_mm,
     };
-    let contact_mm = contact_stretches(&contact_profile(&job.model, PLACES));
-    let rays = chosen(job, sample_rays(&job.model, SAMPLED, seed), &contact_mm);
-    let leds = leds_in_section(&job.model).into_iter().map(|(led, half_chord)| SideLed {
+    let contact_mm = contact_stretches(&contact_profile(&prepared.model, PLACES));
+    let rays = chosen(prepared, sample_rays(&prepared.model, SAMPLED, seed), &contact_mm);
+    let leds = leds_in_section(&prepared.model).into_iter().map(|(led, half_chord)| SideLed {
         x_mm: (half_width_mm + led.gap) * if led.wall == 0 { 1.0 } else { -1.0 },
         z_mm: led.height,
         diameter_mm: 2.0 * half_chord,
     });
     Ok(side_view(&SideView {
         title: format!("{}: from the side", scene.name),
-        subtitle: subtitle(job),
+        subtitle: subtitle(prepared),
         half_width_mm,
         layers: scene.stack.layer.iter().map(layer).collect(),
         interfaces_mm,
         surround_n: scene.stack.surround_n,
-        view_edge_mm: view_edge(job, half_width_mm)?,
+        view_edge_mm: view_edge(prepared, half_width_mm)?,
         leds: leds.collect(),
         contact_mm,
         rays,
@@ -54,9 +54,10 @@ pub(super) fn side_picture(job: &Job, seed: u32) -> Result<String, Failure> {
 }
 
 /// The right edge of the camera's field of view as (x, z), up to the side wall.
-fn view_edge(job: &Job, half_width_mm: f64) -> Result<Vec<[f64; 2]>, Failure> {
-    let [width, height] = job.scene().camera.pixels.map(f64::from);
-    let ray: Vec<[f64; 2]> = job.view()?.ray_mm([width, 0.5 * height]).iter().map(|&[x, _, z]| [x, z]).collect();
+fn view_edge(prepared: &Prepared, half_width_mm: f64) -> Result<Vec<[f64; 2]>, Failure> {
+    let [width, height] = prepared.scene().camera.pixels.map(f64::from);
+    let ray: Vec<[f64; 2]> =
+        view_of(prepared.scene())?.ray_mm([width, 0.5 * height]).iter().map(|&[x, _, z]| [x, z]).collect();
     let mut edge: Vec<[f64; 2]> = Vec::new();
     for &[x, z] in &ray {
         match edge.last() {
@@ -81,10 +82,10 @@ fn contact_stretches(profile: &[[f64; 2]]) -> Vec<[f64; 2]> {
     stretches.filter_map(|run| Some([run.first()?[0], run.last()?[0]])).filter(|[from, to]| to > from).collect()
 }
 
-fn subtitle(job: &Job) -> String {
-    let grid = job.contact.as_ref().is_some_and(|contact| contact.columns > 0);
+fn subtitle(prepared: &Prepared) -> String {
+    let grid = prepared.contact.as_ref().is_some_and(|contact| contact.columns > 0);
     let tissue = if grid { " · tissue where its true contact is at least half of the median" } else { "" };
-    let rays = match leds_in_section(&job.model).is_empty() {
+    let rays = match leds_in_section(&prepared.model).is_empty() {
         true => "no LED lies in it, so there are no rays",
         false => "rays picked to show what becomes of light",
     };
@@ -102,9 +103,9 @@ fn fate(ray: &Ray) -> Fate {
 }
 
 /// The first rays of each fate that can be followed in the picture, guided ones below.
-fn chosen(job: &Job, rays: Vec<Ray>, contact_mm: &[[f64; 2]]) -> Vec<RayPolyline> {
+fn chosen(prepared: &Prepared, rays: Vec<Ray>, contact_mm: &[[f64; 2]]) -> Vec<RayPolyline> {
     let drawn = |[x, _, _]: &[f64; 3]| contact_mm.iter().any(|[from, to]| (from..=to).contains(&x));
-    let clear = |ray: &Ray| ray.ends_in_section(&job.model) && ray.touched_mm.as_ref().is_none_or(drawn);
+    let clear = |ray: &Ray| ray.ends_in_section(&prepared.model) && ray.touched_mm.as_ref().is_none_or(drawn);
     let rays: Vec<Ray> = rays.into_iter().filter(clear).collect();
     let pick = |&(drawn, down, count): &(Fate, bool, usize)| {
         let like = move |ray: &&Ray| fate(ray) == drawn && (ray.end == End::Bottom) == down;

@@ -3,10 +3,12 @@
 use super::{ErrorEstimate, Rung, is_lit, is_soft, square_error};
 use crate::film::Film;
 use crate::mechanics::press::{PressStep, Pressed};
+use crate::pipeline::model_of;
+use crate::progress::{Observer, Stage};
 use crate::scene::{Integrator, LoadedScene};
 use crate::streams::{Role, Streams};
-use crate::surface::{SurfaceError, contact_map, pressed_contact, pressed_surface, surface};
-use crate::trace::{Devices, Kernel, Method, Model, Outcome, Plan, Precision, Settings, Stage, TraceError, render};
+use crate::surface::SurfaceError;
+use crate::trace::{Devices, Kernel, Method, Model, Outcome, Plan, Precision, Settings, TraceError, render};
 use thiserror::Error;
 
 /// Fewest camera paths a pixel: a render has 16 replicates.
@@ -75,13 +77,7 @@ impl Subject<'_> {
         let mut loaded = self.loaded.clone();
         loaded.scene.render.map_texel_mm = choice.texel_mm;
         loaded.scene.render.height_field_points = choice.points;
-        let (surface, contact) = match self.press {
-            Some((pressed, step)) => {
-                (pressed_surface(&loaded, pressed, step)?, pressed_contact(&loaded, pressed, step))
-            }
-            None => (surface(&loaded)?, contact_map(&loaded)?),
-        };
-        Ok(Model::new(&loaded, &surface, contact)?)
+        Ok(model_of(&loaded, self.press)?.2)
     }
 
     /// The settings of a run without flags, as a rung.
@@ -206,12 +202,7 @@ impl Subject<'_> {
         is_gpu.then_some((None, "gpu f32")).into_iter().chain(cpu).map(choice).collect()
     }
 
-    fn render(
-        &self,
-        choice: &Choice,
-        role: Role,
-        observe: &mut dyn FnMut(Stage) -> bool,
-    ) -> Result<Outcome, LightError> {
+    fn render(&self, choice: &Choice, role: Role, observe: &mut Observer) -> Result<Outcome, LightError> {
         let model = self.model(choice)?;
         let pixels = u64::from(model.camera.size[0]) * u64::from(model.camera.size[1]);
         let settings = Settings {
@@ -228,22 +219,13 @@ impl Subject<'_> {
     }
 
     /// Renders the reference.
-    pub fn render_reference(
-        &self,
-        choice: &Choice,
-        observe: &mut dyn FnMut(Stage) -> bool,
-    ) -> Result<Film, LightError> {
+    pub fn render_reference(&self, choice: &Choice, observe: &mut Observer) -> Result<Film, LightError> {
         Ok(self.render(choice, Role::Reference, observe)?.film)
     }
 
     /// Renders a rung, each time with random numbers of its own, and compares it: over the lit pixels, and where tissue
     /// touches over the softly lit ones too. Empty where the reference is dark.
-    pub fn measure(
-        &self,
-        choice: &Choice,
-        reference: &Film,
-        observe: &mut dyn FnMut(Stage) -> bool,
-    ) -> Result<Vec<Rung>, LightError> {
+    pub fn measure(&self, choice: &Choice, reference: &Film, observe: &mut Observer) -> Result<Vec<Rung>, LightError> {
         let mut parts = vec![("radiance", "", is_lit(reference))];
         if self.loaded.scene.touch.contact.is_some() {
             parts.push(("soft light", ", soft light", is_soft(reference)));

@@ -5,7 +5,8 @@ use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::path::PathError;
 use crate::mechanics::press::error_estimate::{NOTHING, difference};
-use crate::mechanics::press::{ContactPoint, Load, PressError, PressSettings, PressStage, Setup, press};
+use crate::mechanics::press::{ContactPoint, Load, PressError, PressSettings, Setup, press};
+use crate::progress::Observer;
 use serde::{Deserialize, Serialize};
 
 /// Order of what the singular edge of a contact spoils: the force, and the pressure that it sends inwards. An error of
@@ -114,7 +115,7 @@ fn divided(depths: &[f64], count: usize) -> Vec<f64> {
 }
 
 /// Presses once, without an estimate of the error. A press that stops early keeps the loads that it reached.
-pub fn run(setup: &Setup, observe: &mut dyn FnMut(PressStage) -> bool) -> Result<Found, PressError> {
+pub fn run(setup: &Setup, observe: &mut Observer) -> Result<Found, PressError> {
     let (pressed, stopped) = match press(setup, PressSettings::default(), observe) {
         Ok(pressed) => (pressed, None),
         Err(error) => {

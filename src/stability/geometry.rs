@@ -128,7 +128,7 @@ pub fn ledgers(context: &Context, tracer: &Tracer) -> Result<Vec<Row>, Stability
         let (pacer, totals) = (Pacer::default(), Totals::default());
         let mut batch =
             Batch { model: &scene.model, backend: &mut backend, method: Method::Path, seed: 7, pacer, totals };
-        batch.ledger(photons, &mut |_, _| true)?;
+        batch.ledger(photons, &mut |_| true)?;
         let ledger = batch.totals.ledger();
         lost = lost.max(batch.totals.lost() as f64 / batch.totals.photons.max(1) as f64);
         residual = residual.max(ledger.residual.abs());

@@ -49,7 +49,7 @@ fn dark(context: &Context, rows: &mut Vec<Row>) -> Result<(), StabilityError> {
         let mut backend = tracer.open(&model)?;
         let (pacer, totals) = (Pacer::default(), Totals::default());
         let mut batch = Batch { model: &model, backend: &mut backend, method: Method::Path, seed: 5, pacer, totals };
-        let image = batch.replicate(0, Work { spp, photons: 1 }, &mut |_, _| true)?;
+        let image = batch.replicate(0, Work { spp, photons: 1 }, &mut |_| true)?;
         let subject = Subject::new(Part::Image, "flat stack, LEDs in air, nothing touches", tracer.name());
         let most = image.iter().copied().fold(0.0, f64::max);
         let quantity = format!("brightest pixel, {RADIANCE_UNIT}, {} paths", spp as usize * image.len());

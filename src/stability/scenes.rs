@@ -3,8 +3,9 @@
 use super::StabilityError;
 use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::press::{PressSettings, press};
+use crate::pipeline::model_of;
 use crate::scene::{Inner, Layer, Lens, LoadedScene, Normals, PRESETS, Roughness, Scene, Shape, Walls, preset};
-use crate::surface::{HeightField, Surface, contact_map, pressed_contact, pressed_surface, surface};
+use crate::surface::{HeightField, Surface};
 use crate::trace::Model;
 
 /// Pixels of the camera, which plays no part.
@@ -22,7 +23,7 @@ pub struct HardScene {
 pub fn model(loaded: &LoadedScene) -> Result<Model<f64>, StabilityError> {
     let mut loaded = loaded.clone();
     loaded.scene.camera.pixels = PIXELS;
-    Ok(Model::new(&loaded, &surface(&loaded)?, contact_map(&loaded)?)?)
+    Ok(model_of(&loaded, None)?.2)
 }
 
 /// A changed preset.
@@ -38,8 +39,7 @@ fn pressed(name: &str) -> Result<Model<f64>, StabilityError> {
     loaded.scene.camera.pixels = PIXELS;
     let pressed = press(&press_setup(&loaded)?, PressSettings::default(), &mut |_| true)?;
     let step = pressed.steps.last().ok_or(StabilityError::Missing("no load was reached"))?;
-    let surface = pressed_surface(&loaded, &pressed, step)?;
-    Ok(Model::new(&loaded, &surface, pressed_contact(&loaded, &pressed, step))?)
+    Ok(model_of(&loaded, Some((&pressed, step)))?.2)
 }
 
 /// A flat stack with mirrors all round and without LEDs.

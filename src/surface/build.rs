@@ -29,9 +29,17 @@ pub enum SurfaceError {
     },
 }
 
-/// Shape of all interfaces of a validated scene.
+/// Shape of all interfaces of a validated scene that prescribes it.
+///
+/// # Errors
+/// A scene that presses: its shape is that of the press, [`pressed_surface`](super::pressed_surface). A shape that does
+/// not fit the stack, a file that cannot be used.
 pub fn surface(loaded: &LoadedScene) -> Result<Surface, SurfaceError> {
     let scene = &loaded.scene;
+    if scene.press.is_some() {
+        let message = "a press gives this scene its shape: `pipeline::Session` presses it".into();
+        return Err(SurfaceError::Shape { key: "press", message });
+    }
     let share = shares(loaded);
     let footprint = scene.stack.footprint_mm;
     let points = scene.render.height_field_points as usize;

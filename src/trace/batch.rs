@@ -8,6 +8,7 @@ use super::model::Model;
 use super::plan::Method;
 use super::unfold::direct_light;
 use crate::film::Ledger;
+use crate::progress::{Observer, Stage};
 use std::time::Instant;
 
 /// Threads that share the photons of a replicate.
@@ -28,9 +29,6 @@ pub struct Work {
     /// Photons (rounded up to whole threads).
     pub photons: u64,
 }
-
-/// Called between chunks with the share of the replicate done and the stage; false stops the work.
-pub type Observer<'a> = dyn FnMut(f64, &'static str) -> bool + 'a;
 
 /// Sums over replicates beside the image.
 #[derive(Debug, Clone, Copy, Default)]
@@ -236,7 +234,7 @@ impl Batch<'_> {
                 sample += samples;
             }
             let done = (f64::from(sample) * f64::from(pixels) + f64::from(pixel)) / total;
-            if !observe(done, "camera paths") {
+            if !observe(Stage { done, what: "camera paths" }) {
                 return Err(TraceError::Stopped);
             }
         }
@@ -272,7 +270,7 @@ impl Batch<'_> {
             self.backend.photons(mode, seed, threads, [sample, samples])?;
             adapt(&mut self.pacer.photons, u64::from(threads) * u64::from(samples), start.elapsed().as_secs_f64());
             sample += samples;
-            if !observe(f64::from(sample) / f64::from(each), "photons") {
+            if !observe(Stage { done: f64::from(sample) / f64::from(each), what: "photons" }) {
                 return Err(TraceError::Stopped);
             }
         }

@@ -4,10 +4,11 @@
 use super::backend::{Devices, TraceError};
 use super::kernel::{Kernel, ShapePiece, Spare};
 use super::model::{Camera, FieldShape, Heights, Model, Shape, Tissue};
-use super::render::{Settings, Stage, render};
+use super::render::{Settings, render};
 use super::scatter::Scatter;
 use crate::film::compare::compare;
 use crate::film::{Film, mean_interval};
+use crate::progress::{Observer, Stage};
 use crate::scene::Integrator;
 use crate::surface::{HeightField, Profile, Relief};
 use serde::Serialize;
@@ -52,7 +53,7 @@ pub fn gains(
     settings: &Settings,
     other_seed: u32,
     rounds: u32,
-    observe: &mut dyn FnMut(Stage) -> bool,
+    observe: &mut Observer,
 ) -> Result<Vec<Gain>, TraceError> {
     // Connections to the pinhole need flat, smooth stacks; what is loaded on may be neither.
     let integrator = if settings.integrator == Integrator::Splat { Integrator::Auto } else { settings.integrator };

@@ -29,4 +29,4 @@ pub use backend::{Backend, BackendChoice, Devices, Precision, TraceError};
 pub use kernel::Kernel;
 pub use model::Model;
 pub use plan::{Method, Plan};
-pub use render::{Outcome, Settings, Stage, render, render_on};
+pub use render::{Outcome, Settings, render, render_on};

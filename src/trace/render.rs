@@ -1,13 +1,14 @@
 //! From a model to a film with its error, its ledger and what it cost.
 
 use super::backend::{Backend, Devices, TraceError};
-use super::batch::{Batch, Observer, Pacer, Times, Totals, Work};
+use super::batch::{Batch, Pacer, Times, Totals, Work};
 use super::exitance::{Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;
 use super::plan::{Method, Plan};
 use super::unseen::{Traced, Unseen};
 use crate::film::{BlockAccumulator, Film, Ledger};
+use crate::progress::{Observer, Stage};
 use crate::scene::{self, Integrator};
 use std::time::Instant;
 
@@ -82,15 +83,6 @@ impl Settings {
     }
 }
 
-/// Where a render stands.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stage {
-    /// Share of the work done, 0 to 1; of each rendering by itself for an asked error.
-    pub done: f64,
-    /// What is being done.
-    pub what: &'static str,
-}
-
 /// A finished render.
 #[derive(Debug, Clone)]
 pub struct Outcome {
@@ -145,7 +137,8 @@ fn blotches(method: Method, film: &Film) -> Option<String> {
     ))
 }
 
-/// Renders a model. `observe` is called between chunks; false stops the work.
+/// Renders a model. `observe` is called between chunks; false stops the work. For an asked error each rendering counts from
+/// 0 to 1 by itself.
 ///
 /// For an asked error it renders with the least work first, and from what that leaves anew with as much as it takes:
 /// the smoothing of a map is then chosen for the noise of the whole, and its bias shrinks with it. The least work is a
@@ -155,7 +148,7 @@ pub fn render(
     devices: &Devices,
     model: &Model<f64>,
     settings: &Settings,
-    observe: &mut dyn FnMut(Stage) -> bool,
+    observe: &mut Observer,
 ) -> Result<Outcome, TraceError> {
     let Some(target) = settings.target_error else {
         return once(devices, model, settings, observe);
@@ -198,7 +191,7 @@ fn once(
     devices: &Devices,
     model: &Model<f64>,
     settings: &Settings,
-    observe: &mut dyn FnMut(Stage) -> bool,
+    observe: &mut Observer,
 ) -> Result<Outcome, TraceError> {
     let start = Instant::now();
     let mut backend = devices.load(model)?;
@@ -218,7 +211,7 @@ pub fn render_on(
     backend: &mut Backend,
     model: &Model<f64>,
     settings: &Settings,
-    observe: &mut dyn FnMut(Stage) -> bool,
+    observe: &mut Observer,
 ) -> Result<Outcome, TraceError> {
     let kernel = Kernel::of(model);
     let plan = Plan::choose(settings.integrator, &kernel)?;
@@ -247,7 +240,7 @@ pub fn render_on(
         // A throw-away pilot of one path per pixel measures the machine.
         let pilot = Work { spp: 1, photons: work.photons.min(photons(&kernel, plan.method, pixels).max(FEW_PHOTONS)) };
         let timer = Instant::now();
-        batch.replicate(u32::MAX, pilot, &mut |_, _| observe(Stage { done: 0.0, what: "measuring the machine" }))?;
+        batch.replicate(u32::MAX, pilot, &mut |_| observe(Stage { done: 0.0, what: "measuring the machine" }))?;
         let Times { photons, map, camera, .. } = batch.totals.times;
         batch.totals = Totals { times: batch.totals.times, ..Totals::default() };
         let left = budget - timer.elapsed().as_secs_f64();
@@ -274,7 +267,7 @@ pub fn render_on(
     let mut longest = 0.0f64;
     loop {
         let timer = Instant::now();
-        let mut observe = |part: f64, what| {
+        let mut observe = |Stage { done: part, what }| {
             let done = match settings.seconds {
                 Some(budget) => start.elapsed().as_secs_f64() / budget,
                 None => before + (1.0 - before) * (f64::from(index) + part) / f64::from(replicates.max(index + 1)),
@@ -305,7 +298,7 @@ pub fn render_on(
             (Some(asked), Method::Path) => asked,
             (Some(asked), Method::Map | Method::Splat) => asked.min(LEDGER_PHOTONS),
         };
-        batch.ledger(photons, &mut |_, _| observe(Stage { done: 1.0, what: "flux ledger" }))?;
+        batch.ledger(photons, &mut |_| observe(Stage { done: 1.0, what: "flux ledger" }))?;
         times.ledger = start.elapsed().as_secs_f64();
     }
     let totals = batch.totals;
@@ -377,7 +370,7 @@ impl Gather {
         let face = batch.at_map(|| TouchedFace::new(model));
         let maps = (0..replicates)
             .map(|index| {
-                let mut observe = |part, _: &str| observe((f64::from(index) + part) / f64::from(replicates));
+                let mut observe = |stage: Stage| observe((f64::from(index) + stage.done) / f64::from(replicates));
                 batch.contact_light(index, work, &face, &mut observe)
             })
             .collect::<Result<Vec<_>, _>>()?;

@@ -200,7 +200,7 @@ mod tests {
         let mut batch = Batch { model, backend: &mut backend, method, seed, pacer, totals };
         let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
         for index in 0..16 {
-            let image = batch.replicate(index, Work { spp, photons: 1 }, &mut |_, _| true).unwrap();
+            let image = batch.replicate(index, Work { spp, photons: 1 }, &mut |_| true).unwrap();
             sum.add(&image).unwrap();
         }
         let film = sum.finish();

@@ -29,7 +29,7 @@ fn a_device_lost_in_the_middle_of_a_render_is_an_error() {
         let mut batch = Batch { model: &model, backend: &mut backend, method, seed: 1, pacer, totals };
         let start = Instant::now();
         let mut chunks = 0;
-        let found = batch.replicate(0, Work { spp: 1 << 20, photons: 1 << 16 }, &mut |_, _| {
+        let found = batch.replicate(0, Work { spp: 1 << 20, photons: 1 << 16 }, &mut |_| {
             chunks += 1;
             if chunks == 2 {
                 device.destroy();
@@ -40,7 +40,7 @@ fn a_device_lost_in_the_middle_of_a_render_is_an_error() {
         assert_eq!(chunks, 2, "{}: it went on after the loss", method.name());
         assert!(start.elapsed() < Duration::from_secs(20));
         // And it stays lost.
-        let again = batch.replicate(1, Work { spp: 1, photons: 1 << 14 }, &mut |_, _| true);
+        let again = batch.replicate(1, Work { spp: 1, photons: 1 << 14 }, &mut |_| true);
         assert!(matches!(again, Err(TraceError::DeviceLost(_))), "{again:?}");
     }
 }
@@ -62,9 +62,9 @@ fn what_is_prepared_is_all_that_a_replicate_needs_on_one_device_and_on_two() {
             assert_eq!(kernels(&backend), expected, "{}", method.name());
             let (pacer, totals) = (Pacer::default(), Totals::default());
             let mut batch = Batch { model: &model, backend: &mut backend, method, seed: 1, pacer, totals };
-            let film = batch.replicate(0, Work { spp: 2, photons: 1 << 16 }, &mut |_, _| true).unwrap();
+            let film = batch.replicate(0, Work { spp: 2, photons: 1 << 16 }, &mut |_| true).unwrap();
             if method == Method::Path {
-                batch.ledger(1 << 16, &mut |_, _| true).unwrap();
+                batch.ledger(1 << 16, &mut |_| true).unwrap();
             }
             assert_eq!(kernels(&backend), expected, "{}: built in the middle of a render", method.name());
             film
@@ -116,7 +116,7 @@ fn a_scene_after_another_of_its_make_takes_its_kernels_and_nothing_else() {
         let mut backend = GpuTracer::on(gpu, model).unwrap().into();
         let (pacer, totals) = (Pacer::default(), Totals::default());
         let mut batch = Batch { model, backend: &mut backend, method: Method::Map, seed: 1, pacer, totals };
-        batch.replicate(0, Work { spp: 2, photons: 1 << 16 }, &mut |_, _| true).unwrap()
+        batch.replicate(0, Work { spp: 2, photons: 1 << 16 }, &mut |_| true).unwrap()
     };
     let before = film(adapter.clone(), &first);
     let kernels = adapter.kernels();

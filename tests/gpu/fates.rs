@@ -27,7 +27,7 @@ fn backends(model: &Model<f64>, limits: Limits) -> impl Iterator<Item = Backend>
 fn camera_paths(model: &Model<f64>, method: Method, backend: &mut Backend) -> Totals {
     let (pacer, totals) = (Pacer::default(), Totals::default());
     let mut batch = Batch { model, backend, method, seed: 1, pacer, totals };
-    batch.replicate(0, WORK, &mut |_, _| true).unwrap();
+    batch.replicate(0, WORK, &mut |_| true).unwrap();
     Totals { photons: 0, tally: [0; _], ..batch.totals }
 }
 

@@ -5,8 +5,8 @@ use crate::scenes::FEW_TEXELS_MM;
 use tirtouch::camera::expose;
 use tirtouch::estimate::{Exposed, GreyImage, PaperEstimate, Subtracted, Value, measure};
 use tirtouch::film::Film;
+use tirtouch::pipeline::model_of;
 use tirtouch::scene::LoadedScene;
-use tirtouch::surface::{contact_map, surface};
 use tirtouch::trace::Model;
 use tirtouch::trace::backend::{Backend, CpuTracer};
 use tirtouch::trace::batch::Work;
@@ -23,7 +23,7 @@ pub fn few_pixels() -> (LoadedScene, Model<f64>) {
     camera.pixel_pitch_um *= 8.0;
     camera.sensor.exposure_ms /= 64.0;
     loaded.scene.render.map_texel_mm = FEW_TEXELS_MM;
-    let model = Model::new(&loaded, &surface(&loaded).unwrap(), contact_map(&loaded).unwrap()).unwrap();
+    let model = model_of(&loaded, None).unwrap().2;
     (loaded, model)
 }
 

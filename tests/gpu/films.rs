@@ -32,8 +32,8 @@ pub fn film(mut backend: Backend, model: &Model<f64>, method: Method, seed: u32,
     let maps = if method == Method::Map { smoothed_maps(&mut batch, work) } else { Vec::new() };
     for index in 0..REPLICATES {
         let replicate = match maps.get(index as usize) {
-            Some(texels) => batch.mapped(index, work, texels, &mut |_, _| true),
-            None => batch.replicate(index, work, &mut |_, _| true),
+            Some(texels) => batch.mapped(index, work, texels, &mut |_| true),
+            None => batch.replicate(index, work, &mut |_| true),
         };
         sum.add(&replicate.unwrap()).unwrap();
     }
@@ -44,8 +44,7 @@ pub fn film(mut backend: Backend, model: &Model<f64>, method: Method, seed: u32,
 /// The maps of all replicates, smoothed as `render` does.
 fn smoothed_maps(batch: &mut Batch, work: Work) -> Vec<Vec<[f64; 4]>> {
     let face = TouchedFace::new(batch.model);
-    let lights: Vec<_> =
-        (0..REPLICATES).map(|k| batch.contact_light(k, work, &face, &mut |_, _| true).unwrap()).collect();
+    let lights: Vec<_> = (0..REPLICATES).map(|k| batch.contact_light(k, work, &face, &mut |_| true).unwrap()).collect();
     let smoothing = face.choose(&lights);
     println!("{smoothing:?}");
     face.texels(&lights, smoothing)

@@ -101,7 +101,7 @@ fn a_number_that_is_not_finite_is_refused_by_its_name_before_a_kernel_is_made() 
 fn traced(mut backend: Backend, model: &Model<f64>, method: Method) -> Result<Vec<f64>, TraceError> {
     let (pacer, totals) = (Pacer::default(), Totals::default());
     let mut batch = Batch { model, backend: &mut backend, method, seed: 1, pacer, totals };
-    batch.replicate(0, WORK, &mut |_, _| true)
+    batch.replicate(0, WORK, &mut |_| true)
 }
 
 /// A path's sum holds 65,536 units, a deposit's cell 2^32 photons: LEDs of 1e12 units, seen through faces that let a

@@ -1,12 +1,10 @@
 //! The scenes of the tests: every preset, and variants for the pieces of the kernels that no preset needs.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, Once};
-use tirtouch::mechanics::from_scene::press_setup;
-use tirtouch::mechanics::{self, press::PressSettings, press::Pressed};
+use std::sync::{LazyLock, Mutex, Once};
+use tirtouch::pipeline::{Order, Session, model_of};
 use tirtouch::scene::{self, Inner, Lens, LoadedScene, Normals, PRESETS, Pattern, Press, Roughness, Shape, Walls};
-use tirtouch::surface::{ContactMap, Surface, contact_map, pressed_contact, pressed_surface, surface};
-use tirtouch::trace::Model;
+use tirtouch::trace::{Devices, Model, Precision};
 
 /// A scene by name.
 pub struct Case {
@@ -44,28 +42,20 @@ impl Case {
 pub const FEW_TEXELS_MM: f64 = 0.5;
 
 pub fn model(loaded: &LoadedScene) -> Model<f64> {
-    let (surface, contact) = match loaded.scene.press {
+    match loaded.scene.press {
         Some(_) => pressed(loaded),
-        None => (surface(loaded).unwrap(), contact_map(loaded).unwrap()),
-    };
-    Model::new(loaded, &surface, contact).unwrap()
+        None => model_of(loaded, None).unwrap().2,
+    }
 }
 
-type Shapes = (Surface, Option<ContactMap>);
-
-/// What a press leaves at its last load. Scenes that differ in their light and their tissue alone share the press.
-fn pressed(loaded: &LoadedScene) -> Shapes {
-    static PRESSES: Mutex<Vec<(String, Pressed)>> = Mutex::new(Vec::new());
-    let setup = press_setup(loaded).unwrap();
-    let key = format!("{setup:?}");
-    let mut presses = PRESSES.lock().unwrap();
-    if !presses.iter().any(|(known, _)| *known == key) {
-        let done = mechanics::press::press(&setup, PressSettings::default(), &mut |_| true).unwrap();
-        presses.push((key.clone(), done));
-    }
-    let done = &presses.iter().find(|(known, _)| *known == key).unwrap().1;
-    let step = done.steps.last().unwrap();
-    (pressed_surface(loaded, done, step).unwrap(), pressed_contact(loaded, done, step))
+/// At the last load of its press. Scenes that differ in their light and their tissue alone share the press.
+fn pressed(loaded: &LoadedScene) -> Model<f64> {
+    static SESSION: LazyLock<Mutex<Session>> =
+        LazyLock::new(|| Mutex::new(Session::from(Devices::cpu(Precision::F32))));
+    let mut loaded = loaded.clone();
+    loaded.scene.press.as_mut().unwrap().estimate_error = false;
+    let order = Order::of(&loaded.scene);
+    SESSION.lock().unwrap().prepare(loaded, &order, &mut |_| true).unwrap().model
 }
 
 pub fn presets() -> Vec<Case> {

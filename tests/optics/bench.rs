@@ -1,10 +1,8 @@
 //! The optical bench: sensors put together from presets, light sent through them, and the statistics of what arrives.
 
 use rayon::prelude::*;
-use tirtouch::mechanics::from_scene::press_setup;
-use tirtouch::mechanics::press::{PressSettings, press};
+use tirtouch::pipeline::{Order, Session};
 use tirtouch::scene::{self, Layer, LoadedScene};
-use tirtouch::surface;
 use tirtouch::trace::cpu::vec3::{V3, v3};
 use tirtouch::trace::cpu::{Limits, Path};
 use tirtouch::trace::model::Real;
@@ -26,19 +24,12 @@ pub fn stack(layers: &[[f64; 2]]) -> LoadedScene {
 
 /// What the tracers see of a scene.
 pub fn model(loaded: &LoadedScene) -> Model<f64> {
-    let (surface, contact) = match loaded.scene.press {
-        Some(_) => {
-            let settings = PressSettings::default();
-            let pressed = press(&press_setup(loaded).unwrap(), settings, &mut |_| true).unwrap();
-            let last = pressed.steps.last().unwrap();
-            (
-                surface::pressed_surface(loaded, &pressed, last).unwrap(),
-                surface::pressed_contact(loaded, &pressed, last),
-            )
-        }
-        None => (surface::surface(loaded).unwrap(), surface::contact_map(loaded).unwrap()),
-    };
-    Model::new(loaded, &surface, contact).unwrap()
+    let mut loaded = loaded.clone();
+    if let Some(press) = &mut loaded.scene.press {
+        press.estimate_error = false;
+    }
+    let order = Order::of(&loaded.scene);
+    Session::from(Devices::cpu(Precision::F32)).prepare(loaded, &order, &mut |_| true).unwrap().model
 }
 
 /// The GPU where there is one (a missing one is a failure under TIRTOUCH_REQUIRE_GPU), and the twin in f32.

@@ -31,7 +31,7 @@ fn emitted_light_is_accounted_for_to_1e_6_on_every_preset() {
                 pacer: Pacer::default(),
                 totals: Totals::default(),
             };
-            batch.ledger(1 << 16, &mut |_, _| true).unwrap();
+            batch.ledger(1 << 16, &mut |_| true).unwrap();
             let ledger = batch.totals.ledger();
             assert_eq!(batch.totals.lost(), 0, "{name}");
             println!("{name} {}: {ledger:?}", batch.backend.name());

@@ -3,6 +3,7 @@
 use super::Only;
 use super::records::Records;
 use crate::cli::facts::figure;
+use crate::cli::job::watched;
 use crate::cli::pressing::PressFailure;
 use crate::cli::{Failure, Progress, cancel};
 use crate::converge::light::{Choice, LightError, Subject};
@@ -10,6 +11,7 @@ use crate::converge::mechanics::{self, Found as PressFound};
 use crate::converge::{Rung, is_lit};
 use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::press::{Load, PressError, PressSettings, Pressed, press};
+use crate::progress::Stage;
 use crate::scene::LoadedScene;
 use crate::trace::{Devices, Settings};
 use std::path::Path;
@@ -119,7 +121,7 @@ impl Climb<'_> {
         let total = f64::from(reference.spp) + choices.iter().map(cost).sum::<f64>();
         let progress = Progress::new(self.quiet);
         let film = records.film_or("reference", || {
-            let observe = &mut |stage: crate::trace::Stage| {
+            let observe = &mut |stage: Stage| {
                 progress.observe(f64::from(reference.spp) / total * stage.done, "reference");
                 !cancel::requested()
             };
@@ -134,7 +136,7 @@ impl Climb<'_> {
             let name: String =
                 name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' }).collect();
             let found: Vec<Rung> = records.item_or(&name, || {
-                let observe = &mut |stage: crate::trace::Stage| {
+                let observe = &mut |stage: Stage| {
                     progress.observe((before + stage.done * cost(choice)) / total, &choice.setting);
                     !cancel::requested()
                 };
@@ -152,11 +154,7 @@ impl Climb<'_> {
             return Ok(None);
         }
         let setup = press_setup(self.loaded).map_err(|error| self.press_failure(error))?;
-        let progress = Progress::new(self.quiet);
-        let pressed = press(&setup, PressSettings::default(), &mut |stage| {
-            progress.observe(stage.done, stage.what);
-            !cancel::requested()
-        });
+        let pressed = watched(self.quiet, |observe| press(&setup, PressSettings::default(), observe));
         pressed.map(Some).map_err(|error| self.press_failure(error))
     }
 }

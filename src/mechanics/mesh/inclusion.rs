@@ -7,7 +7,7 @@ use super::error::positive;
 use crate::scene::TriangleMesh;
 
 /// A body inside the phantom.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct InclusionShape {
     /// Its centre, mm; the third is the height above the touched face. In two dimensions the second is left out.
     pub center_mm: [f64; 3],
@@ -16,7 +16,7 @@ pub struct InclusionShape {
 }
 
 /// A surface that is star-shaped about the inclusion's centre.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Star {
     /// A sphere or an ellipsoid along the axes; in two dimensions the ellipse of the first and the third.
     Ellipsoid {

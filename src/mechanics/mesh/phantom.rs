@@ -43,7 +43,7 @@ pub enum Footprint {
 }
 
 /// A phantom with inclusions, to be meshed. Regions: 0 the phantom, k inclusion k (from 1), then the layers.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PhantomMesh {
     /// Outer shape.
     pub shape: PhantomShape,

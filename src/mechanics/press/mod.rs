@@ -19,7 +19,7 @@ pub use contact_curve::{ContactPoint, contact_points};
 pub use cost::Cost;
 pub use error::PressError;
 pub use error_estimate::{PressureError, Rounding};
-pub use run::{PressSettings, PressStage, PressStep, Pressed, press, press_near};
+pub use run::{PressSettings, PressStep, Pressed, press, press_near};
 pub use setup::{Load, Pose, SensorBody, Setup};
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::mechanics::newton::{Method, Solver};
 use crate::mechanics::problem::State;
+use crate::progress::{Observer, Stage};
 use std::time::{Duration, Instant};
 
 /// What a press computes beside the press itself.
@@ -17,15 +18,6 @@ pub struct PressSettings {
     pub estimate_error: bool,
     /// How linear systems are solved; if not given, as costs less.
     pub method: Option<Method>,
-}
-
-/// How far a press is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PressStage {
-    /// Share of the work done, 0 to 1.
-    pub done: f64,
-    /// What is being done.
-    pub what: &'static str,
 }
 
 /// A press at one of the asked loads.
@@ -82,11 +74,7 @@ pub const JUDGED_SHARE: f64 = 0.8;
 ///
 /// # Errors
 /// [`PressError`]; `Stopped` holds the loads that were reached.
-pub fn press(
-    setup: &Setup,
-    settings: PressSettings,
-    observe: &mut dyn FnMut(PressStage) -> bool,
-) -> Result<Pressed, PressError> {
+pub fn press(setup: &Setup, settings: PressSettings, observe: &mut Observer) -> Result<Pressed, PressError> {
     press_near(setup, None, settings, observe)
 }
 
@@ -100,7 +88,7 @@ pub fn press_near(
     setup: &Setup,
     near: Option<&Pressed>,
     settings: PressSettings,
-    observe: &mut dyn FnMut(PressStage) -> bool,
+    observe: &mut Observer,
 ) -> Result<Pressed, PressError> {
     let ready = Ready::new(setup, settings.method)?;
     let what = if settings.estimate_error { "estimating the error" } else { "pressing on a coarser mesh" };
@@ -111,16 +99,15 @@ pub fn press_near(
     let leads = ready.takes_guesses() && (slides || (settings.estimate_error && near.is_none()));
     let first = if leads { 0.25 } else { 0.0 };
     let mut coarse = if leads {
-        coarser(setup, near, settings, &mut |done| observe(PressStage { done: first * done, what }))?
+        coarser(setup, near, settings, &mut |done| observe(Stage { done: first * done, what }))?
     } else {
         None
     };
     let before = start.elapsed().as_secs_f64();
     let last = if settings.estimate_error && !leads { 0.25 } else { 0.0 };
     let share = 1.0 - first - last;
-    let mut pressed = ready.press(coarse.as_ref().or(near), &mut |done| {
-        observe(PressStage { done: first + share * done, what: "pressing" })
-    })?;
+    let mut pressed = ready
+        .press(coarse.as_ref().or(near), &mut |done| observe(Stage { done: first + share * done, what: "pressing" }))?;
     if !settings.estimate_error {
         pressed.seconds += before;
         return Ok(pressed);
@@ -128,7 +115,7 @@ pub fn press_near(
     let start = Instant::now();
     let asked = |step: &PressStep| pressed.steps.iter().any(|asked| asked.depth_mm == step.depth_mm);
     coarse.iter_mut().for_each(|coarse| coarse.steps.retain(asked));
-    let observe = &mut |done| observe(PressStage { done: first + share + last * done, what });
+    let observe = &mut |done| observe(Stage { done: first + share + last * done, what });
     error_estimate::estimate(&mut pressed, coarse, settings.method, observe)?;
     pressed.error_seconds = before + start.elapsed().as_secs_f64();
     Ok(pressed)

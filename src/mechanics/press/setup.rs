@@ -7,7 +7,7 @@ use crate::mechanics::material::Material;
 use crate::mechanics::mesh::{Footprint, PhantomMesh};
 
 /// Description of a press.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Setup {
     /// Setting: axisymmetric or three-dimensional.
     pub kinematics: Kinematics,
@@ -32,7 +32,7 @@ pub struct Setup {
 }
 
 /// The sensor's body.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum SensorBody {
     /// Rigid and flat, with a rounded edge where it is not bonded.
     Rigid {

@@ -8,6 +8,7 @@ use crate::mechanics::frames::{Frame, Frames};
 use crate::mechanics::mesh::Mesh;
 use crate::mechanics::path::PathError;
 use crate::mechanics::press::contact_points;
+use crate::progress::Stage;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -19,15 +20,6 @@ pub struct ScanSettings {
     pub shown_mm: f64,
     /// A second press of that position on elements of twice the size estimates the error.
     pub estimate_error: bool,
-}
-
-/// How far a scan is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ScanStage {
-    /// Share of the work done, 0 to 1.
-    pub done: f64,
-    /// What is being done.
-    pub what: &'static str,
 }
 
 /// A scan with all of its frames.
@@ -79,7 +71,7 @@ struct Done {
 pub fn scan(
     setup: &ScanSetup,
     settings: ScanSettings,
-    observe: &(dyn Fn(ScanStage) -> bool + Sync),
+    observe: &(dyn Fn(Stage) -> bool + Sync),
 ) -> Result<Scanned, ScanError> {
     let started = Instant::now();
     let mesh = setup.tissue.build_2d()?;
@@ -90,7 +82,7 @@ pub fn scan(
     let (finished, all) = (AtomicUsize::new(0), 2 * setup.positions_mm.len());
     let stage = || {
         let share = finished.load(Ordering::Relaxed) as f64 / all as f64;
-        observe(ScanStage { done: first + (PRESSED - first) * share, what: "pressing" })
+        observe(Stage { done: first + (PRESSED - first) * share, what: "pressing" })
     };
     let jobs: Vec<(usize, usize)> = (0..setup.positions_mm.len()).flat_map(|k| [(k, 0), (k, 1)]).collect();
     let done: Vec<Done> = jobs
@@ -132,7 +124,7 @@ pub fn scan(
     let shown = kept.ok_or(ScanError::Stopped)?;
     let started = Instant::now();
     let error = match settings.estimate_error {
-        true => estimate(setup, &shown, &mut |_| observe(ScanStage { done: PRESSED, what: "estimating the error" }))?,
+        true => estimate(setup, &shown, &mut |_| observe(Stage { done: PRESSED, what: "estimating the error" }))?,
         false => None,
     };
     let error_seconds = started.elapsed().as_secs_f64();
@@ -154,7 +146,7 @@ pub fn scan(
 fn compliances(
     tissues: &[(ScanSetup, &str); 2],
     mesh: &Mesh,
-    observe: &(dyn Fn(ScanStage) -> bool + Sync),
+    observe: &(dyn Fn(Stage) -> bool + Sync),
 ) -> Result<Option<Vec<Compliance>>, ScanError> {
     if !Compliance::suits(&tissues[0].0) {
         return Ok(None);
@@ -163,7 +155,7 @@ fn compliances(
     for ((tissue, _), first) in tissues.iter().zip([0.0, 0.5]) {
         let stage = |share: f64| {
             let done = FACTORISED * (first + 0.5 * share);
-            observe(ScanStage { done, what: "factorising" })
+            observe(Stage { done, what: "factorising" })
         };
         match Compliance::new(tissue, mesh, &stage) {
             Ok(Some(compliance)) => both.push(compliance),

@@ -1,0 +1,134 @@
+//! Labelled images of phantoms, as a data set wants them: how many a minute, in a session that stays warm and by one
+//! command after the other?
+//!
+//!     LP_NATIVE_VECTOR_WIDTH=512 cargo run --release --example labelled_images -- [--images 12] [--seed 1]
+//!         [--error 0.01] [--sweep] [--estimate] [--program target/release/tirtouch]
+//!
+//! Draws spheres of 4 to 14 mm and 20 to 150 kPa, their tops 3 to 10 mm deep as far as they fit, in the phantom of
+//! `phantom-size-8mm`; each is pressed by 1, 2 and 4 mm, and its image at 4 mm is traced to an error of 1 % a pixel and
+//! exposed. With `--sweep` the phantom stays and the index of the touched layer changes. Presses estimate their errors
+//! with `--estimate`. Prints the label, the first grey levels and the seconds of each image, and images a minute; with
+//! `--program` also those of that program, a command for each image of the same scenes. The variable makes Mesa's
+//! llvmpipe work as widely as the program lets it; other drivers do not read it.
+
+use anyhow::{Context as _, Result, ensure};
+use clap::Parser;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+use tirtouch::camera::noise::PixelRandom;
+use tirtouch::pipeline::{Order, Session};
+use tirtouch::scene::{Elastic, InclusionBody, LoadedScene, preset};
+use tirtouch::trace::{BackendChoice, Precision};
+
+#[derive(Parser)]
+struct Arguments {
+    /// Images.
+    #[arg(long, default_value_t = 12)]
+    images: u32,
+    /// Seed of the draws.
+    #[arg(long, default_value_t = 1)]
+    seed: u32,
+    /// Error of each image's pixels.
+    #[arg(long, default_value_t = 0.01)]
+    error: f64,
+    /// The phantom stays, and the index of the touched layer changes.
+    #[arg(long)]
+    sweep: bool,
+    /// Presses estimate their errors.
+    #[arg(long)]
+    estimate: bool,
+    /// A program that renders the same scenes, one a command.
+    #[arg(long)]
+    program: Option<PathBuf>,
+}
+
+/// A scene and its label.
+fn drawn(arguments: &Arguments, number: u32) -> Result<(LoadedScene, String)> {
+    let mut random = PixelRandom::new(arguments.seed, number);
+    let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
+    let mut loaded = preset("phantom-size-8mm")?;
+    let scene = &mut loaded.scene;
+    let press = scene.press.as_mut().context("the preset presses")?;
+    press.depths_mm = Some(vec![1.0, 2.0, 4.0]);
+    press.estimate_error = arguments.estimate;
+    let label = if arguments.sweep {
+        let n = between(1.405, 1.43);
+        scene.stack.layer[0].n = Some(n);
+        format!("n {n:.4}")
+    } else {
+        let inclusion = &mut scene.phantom.as_mut().context("the preset has a phantom")?.inclusion[0];
+        let diameter_mm = between(4.0, 14.0);
+        let top_mm = between(3.0, (25.0 - 1.05 * diameter_mm).min(10.0));
+        let kpa = between(20f64.ln(), 150f64.ln()).exp();
+        inclusion.shape = InclusionBody::Sphere { diameter_mm };
+        inclusion.depth_mm = top_mm;
+        match &mut inclusion.material {
+            Elastic::NeoHookean { youngs_kpa, .. } | Elastic::Linear { youngs_kpa, .. } => *youngs_kpa = kpa,
+            other => anyhow::bail!("{other:?}"),
+        }
+        format!("{diameter_mm:.2} mm, {top_mm:.2} mm deep, {kpa:.1} kPa")
+    };
+    Ok((loaded, label))
+}
+
+/// Resident memory of this process, MiB, where the system says.
+fn resident_mib() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;
+    line.split_whitespace().nth(1)?.parse::<f64>().ok().map(|kib| kib / 1024.0)
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    let start = Instant::now();
+    let mut session = Session::open(BackendChoice::Auto, Precision::F32)?;
+    let mut first = 0.0;
+    for number in 0..arguments.images {
+        let timer = Instant::now();
+        let (loaded, label) = drawn(&arguments, number)?;
+        let mut order = Order::of(&loaded.scene);
+        order.settings.target_error = Some(arguments.error);
+        let prepared = session.prepare(loaded, &order, &mut |_| true)?;
+        let pressed = timer.elapsed().as_secs_f64();
+        let shot = session.shoot(&prepared, &mut |_| true)?;
+        let seconds = timer.elapsed().as_secs_f64();
+        let grey: u64 = shot.frame.grey.iter().map(|&grey| u64::from(grey)).sum();
+        let outcome = &shot.outcome;
+        println!(
+            "{number}: {label}: {seconds:.2} s ({pressed:.2} press and surfaces, {:.2} kernels, {:.2} light), error {:.4}, grey {grey}, {:.0} MiB",
+            outcome.setup_seconds,
+            outcome.seconds,
+            outcome.relative_error.unwrap_or(f64::NAN),
+            resident_mib().unwrap_or(f64::NAN),
+        );
+        if number == 0 {
+            first = start.elapsed().as_secs_f64();
+        }
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let rate = |images: u32, seconds: f64| 60.0 * f64::from(images) / seconds;
+    let after = rate(arguments.images.saturating_sub(1), seconds - first);
+    println!("session: {:.1} images a minute, {after:.1} after the first", rate(arguments.images, seconds));
+    if let Some(program) = &arguments.program {
+        let folder = std::env::temp_dir().join(format!("tirtouch-labelled-images-{}", std::process::id()));
+        std::fs::create_dir_all(&folder)?;
+        let scenes = (0..arguments.images).map(|number| {
+            let file = folder.join(format!("{number}.toml"));
+            std::fs::write(&file, toml::to_string(&drawn(&arguments, number)?.0.scene)?)?;
+            anyhow::Ok(file)
+        });
+        let scenes = scenes.collect::<Result<Vec<_>>>()?;
+        let start = Instant::now();
+        for (number, scene) in scenes.iter().enumerate() {
+            let mut command = Command::new(program);
+            command.arg("render").arg(scene).args(["--quiet", "--target-error", &arguments.error.to_string(), "-o"]);
+            let done = command.arg(folder.join(number.to_string())).stdout(Stdio::null()).status()?;
+            ensure!(done.success(), "{}: {done}", scene.display());
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        println!("commands: {:.1} images a minute", rate(arguments.images, seconds));
+        std::fs::remove_dir_all(&folder)?;
+    }
+    Ok(())
+}

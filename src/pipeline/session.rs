@@ -1,0 +1,156 @@
+//! What stays from image to image.
+
+use super::{Order, PipelineError, Prepared, Shot};
+use crate::mechanics::from_scene::press_setup;
+use crate::mechanics::press::{Cost, PressSettings, Pressed, Setup, press_near};
+use crate::progress::Observer;
+use crate::scene::LoadedScene;
+use crate::streams::{Role, Streams};
+use crate::trace::{BackendChoice, Devices, Precision, TraceError};
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// Presses that are kept.
+const KEPT_PRESSES: usize = 4;
+
+/// Unknowns of a press that a look at a scene waits for.
+const SKETCHED_UNKNOWNS: usize = 30_000;
+
+/// Devices with their kernels, and the last presses.
+pub struct Session {
+    devices: Devices,
+    presses: VecDeque<Kept>,
+}
+
+/// A press by what it was asked.
+struct Kept {
+    setup: Setup,
+    estimate_error: bool,
+    pressed: Arc<Pressed>,
+}
+
+impl Session {
+    /// Opens what is asked for. f64 is computed by the built-in tracer alone.
+    ///
+    /// # Errors
+    /// `NoAdapter` where a GPU is asked for and none is there; what a driver says.
+    pub fn open(choice: BackendChoice, precision: Precision) -> Result<Self, TraceError> {
+        Devices::open(choice, precision).map(Self::from)
+    }
+
+    /// What traces.
+    pub fn devices(&self) -> &Devices {
+        &self.devices
+    }
+
+    /// Presses a scene's phantom, or takes the press of a scene whose phantom, sensor and loads were the same.
+    ///
+    /// # Errors
+    /// [`PipelineError::Press`]; a press that stops early holds the loads that it reached.
+    pub fn press(
+        &mut self,
+        loaded: &LoadedScene,
+        order: &Order,
+        observe: &mut Observer,
+    ) -> Result<Arc<Pressed>, PipelineError> {
+        let (setup, settings) = asked(loaded, order)?;
+        let same = |kept: &&Kept| kept.estimate_error == settings.estimate_error && kept.setup == setup;
+        if let Some(kept) = self.presses.iter().find(same) {
+            return Ok(kept.pressed.clone());
+        }
+        let pressed = Arc::new(press_near(&setup, None, settings, observe)?);
+        self.presses.truncate(KEPT_PRESSES - 1);
+        let kept = Kept { setup, estimate_error: settings.estimate_error, pressed: pressed.clone() };
+        self.presses.push_front(kept);
+        Ok(pressed)
+    }
+
+    /// Makes a scene ready, pressed first where it presses; it is then at the last load.
+    ///
+    /// # Errors
+    /// As [`Self::press`] and [`Prepared::new`]; a scene without light.
+    pub fn prepare(
+        &mut self,
+        loaded: impl Into<Arc<LoadedScene>>,
+        order: &Order,
+        observe: &mut Observer,
+    ) -> Result<Prepared, PipelineError> {
+        let loaded = loaded.into();
+        guides_light(&loaded)?;
+        let press = match loaded.scene.press {
+            Some(_) => Some(self.press(&loaded, order, observe)?),
+            None => None,
+        };
+        let press = press.and_then(|pressed| Some((pressed.clone(), pressed.steps.len().checked_sub(1)?)));
+        let load = press.as_ref().map_or(0, |(_, load)| *load);
+        let streams = Streams { load, ..order.streams(&loaded) };
+        Prepared::new(loaded, press, order.settings.clone(), streams)
+    }
+
+    /// The load that is traced without inclusions, with random numbers of its own. It starts from the press with them.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`]; `NoBaseline` where nothing is pressed.
+    pub fn baseline(&self, prepared: &Prepared, observe: &mut Observer) -> Result<Prepared, PipelineError> {
+        let Some((pressed, step)) = prepared.pressed() else { return Err(PipelineError::NoBaseline) };
+        let mut loaded = LoadedScene::clone(&prepared.loaded);
+        // The traced load, at the depth that it reached, or the steps that lead to it.
+        if let (Some(press), Some((_, load))) = (&mut loaded.scene.press, &prepared.press) {
+            if press.step.is_empty() {
+                (press.depths_mm, press.forces_n) = (Some(vec![step.depth_mm]), None);
+            } else {
+                press.step.truncate(load + 1);
+            }
+            press.estimate_error = false;
+        }
+        let without = Order { without_inclusions: true, ..Order::of(&loaded.scene) };
+        let (setup, settings) = asked(&loaded, &without)?;
+        let baseline = Arc::new(press_near(&setup, Some(pressed), settings, observe)?);
+        let streams = Streams { role: Role::Baseline, ..prepared.streams.clone() };
+        let last = baseline.steps.len().saturating_sub(1);
+        Prepared::new(Arc::new(loaded), Some((baseline, last)), prepared.settings.clone(), streams)
+    }
+
+    /// Traces the image and exposes it.
+    ///
+    /// # Errors
+    /// An exposure that makes no sense, before the work; what the tracer says.
+    pub fn shoot<'a>(&self, prepared: &'a Prepared, observe: &mut Observer) -> Result<Shot<'a>, PipelineError> {
+        Shot::take(&self.devices, prepared, observe)
+    }
+}
+
+impl From<Devices> for Session {
+    fn from(devices: Devices) -> Self {
+        Self { devices, presses: VecDeque::new() }
+    }
+}
+
+/// Refuses a scene whose light cannot be traced.
+pub(crate) fn guides_light(loaded: &LoadedScene) -> Result<(), PipelineError> {
+    match &loaded.scene.press {
+        Some(press) if press.indenter.is_some() => Err(PipelineError::NoLight),
+        _ => Ok(()),
+    }
+}
+
+/// The press that an order asks for.
+fn asked(loaded: &LoadedScene, order: &Order) -> Result<(Setup, PressSettings), PipelineError> {
+    let setup = press_setup(loaded)?;
+    let setup = if order.without_inclusions { setup.without_inclusions() } else { setup };
+    let setup = if order.sketch { sketch(&setup) } else { setup };
+    let asked = loaded.scene.press.as_ref().is_some_and(|press| press.estimate_error);
+    Ok((setup, PressSettings { estimate_error: asked && !order.sketch, ..PressSettings::default() }))
+}
+
+/// The same press on elements of twice the size; in three dimensions on larger ones still, until it takes a moment.
+fn sketch(setup: &Setup) -> Setup {
+    let mut sketch = setup.halved();
+    for _ in 0..2 {
+        match Cost::of(&sketch, None) {
+            Ok(cost) if cost.unknowns > SKETCHED_UNKNOWNS => sketch = sketch.halved(),
+            _ => break,
+        }
+    }
+    sketch
+}

@@ -1,0 +1,147 @@
+//! Streams of random numbers, and what a session keeps.
+#![allow(clippy::unwrap_used)]
+
+use super::{Order, PipelineError, Prepared, Session};
+use crate::scene::{LoadedScene, preset};
+use crate::streams::{Sharing, Streams};
+use crate::trace::{Devices, Precision, Settings};
+use std::sync::Arc;
+
+fn session() -> Session {
+    Session::from(Devices::cpu(Precision::F32))
+}
+
+/// A preset with few pixels and a coarse press.
+fn coarse(name: &str) -> LoadedScene {
+    let mut loaded = preset(name).unwrap();
+    loaded.scene.camera.pixels = [48, 36];
+    loaded.scene.render.map_texel_mm = 0.5;
+    let press = loaded.scene.press.as_mut().unwrap();
+    (press.resolution, press.estimate_error) = (0.5, false);
+    loaded
+}
+
+fn prepared(session: &mut Session, loaded: LoadedScene) -> Prepared {
+    let order = Order::of(&loaded.scene);
+    session.prepare(loaded, &order, &mut |_| true).unwrap()
+}
+
+/// The same under another seed, few paths and photons.
+fn reseeded(prepared: &Prepared, seed: u32, sharing: Sharing) -> Prepared {
+    let settings = Settings { spp: 16, photons: Some(1 << 14), ..prepared.settings.clone() };
+    let streams = Streams { seed, sharing, ..prepared.streams.clone() };
+    Prepared::new(prepared.loaded.clone(), prepared.press.clone(), settings, streams).unwrap()
+}
+
+/// Noise of an image: the difference of those of two seeds.
+fn noise(prepared: &Prepared, seeds: [u32; 2], sharing: Sharing) -> Vec<f64> {
+    let image = |seed| session().shoot(&reseeded(prepared, seed, sharing), &mut |_| true).unwrap().outcome.film.mean;
+    let [one, other] = seeds.map(image);
+    one.iter().zip(&other).map(|(one, other)| f64::from(one - other)).collect()
+}
+
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    product(a, b) / (product(a, a) * product(b, b)).sqrt()
+}
+
+/// With seeds counted on, a baseline had 0.9 of its noise in common with the next run, and loads 0.8 with one another.
+#[test]
+fn baselines_loads_and_runs_have_no_noise_in_common_unless_asked() {
+    let mut session = session();
+    let last = prepared(&mut session, coarse("phantom-size-8mm"));
+    let baseline = session.baseline(&last, &mut |_| true).unwrap();
+    let first = last.at_load(0).unwrap();
+    let [image, without, load] = [&last, &baseline, &first].map(|one| noise(one, [1, 3], Sharing::Own));
+    // Smoothing leaves some hundred independent patches in 1,728 pixels: four standard errors of a correlation of none.
+    let none = 4.0 / 100f64.sqrt();
+    let next = noise(&last, [2, 4], Sharing::Own);
+    for (name, one, other) in [
+        ("baseline and image", &without, &image),
+        ("first load and image", &load, &image),
+        ("baseline and the next seed's image", &without, &next),
+    ] {
+        let found = correlation(one, other);
+        assert!(found.abs() < none, "{name}: {found}");
+    }
+    // Loads bend light apart, so that the same numbers leave less in common.
+    let [image, without] = [&last, &baseline].map(|one| noise(one, [1, 3], Sharing::Common));
+    let found = correlation(&without, &image);
+    assert!(found > none, "baseline and image, common random numbers: {found}");
+    let [one, other] = [&last, &first].map(|one| reseeded(one, 1, Sharing::Common).settings.seed);
+    assert_eq!((one, other), (1, 1));
+}
+
+#[test]
+fn each_seed_load_role_and_scene_has_a_stream_and_repeats_it() {
+    let mut session = session();
+    let last = prepared(&mut session, coarse("phantom-size-8mm"));
+    let other = prepared(&mut session, coarse("phantom-size-2mm"));
+    let loads = last.press.as_ref().unwrap().0.steps.len();
+    let mut streams: Vec<u32> = (0..loads).map(|load| last.at_load(load).unwrap().settings.seed).collect();
+    assert_eq!(streams.last(), Some(&last.settings.seed), "the last load is the image");
+    streams.extend([other.settings.seed, reseeded(&last, last.streams.seed + 1, Sharing::Own).settings.seed]);
+    let again = reseeded(&last, last.streams.seed, Sharing::Own);
+    assert_eq!((again.settings.seed, again.streams.sensor()), (last.settings.seed, last.streams.sensor()));
+    let count = streams.len();
+    streams.sort_unstable();
+    streams.dedup();
+    assert_eq!(streams.len(), count);
+}
+
+/// A press does not see indices, LEDs or the camera; all that it sees makes it another.
+#[test]
+fn a_scene_takes_the_press_of_another_where_nothing_that_presses_differs() {
+    type Change = fn(&mut LoadedScene);
+    let changes: [(&str, bool, Change); 6] = [
+        ("index", true, |l| l.scene.stack.layer[0].n = Some(1.42)),
+        ("camera", true, |l| l.scene.camera.distance_mm += 1.0),
+        ("modulus", false, |l| {
+            l.scene.phantom.as_mut().unwrap().inclusion[0].material =
+                crate::scene::Elastic::NeoHookean { youngs_kpa: 121.0, poisson: 0.5, relaxation: Vec::new() };
+        }),
+        ("depths", false, |l| l.scene.press.as_mut().unwrap().depths_mm = Some(vec![1.0, 1.5])),
+        ("thickness", false, |l| l.scene.stack.layer[0].thickness_mm += 0.01),
+        ("estimate", false, |l| l.scene.press.as_mut().unwrap().estimate_error = true),
+    ];
+    let mut loaded = coarse("phantom-size-8mm");
+    loaded.scene.press.as_mut().unwrap().depths_mm = Some(vec![1.0]);
+    for (what, same, change) in changes {
+        let mut session = session();
+        let first = prepared(&mut session, loaded.clone()).press.unwrap().0;
+        let mut other = loaded.clone();
+        change(&mut other);
+        let second = prepared(&mut session, other).press.unwrap().0;
+        assert_eq!(Arc::ptr_eq(&first, &second), same, "{what}");
+    }
+}
+
+/// What a session did before must not show in what it does now.
+#[test]
+fn an_image_is_the_same_to_the_bit_whatever_its_session_did_before() {
+    let shot = |session: &mut Session, loaded: LoadedScene| {
+        let ready = reseeded(&prepared(session, loaded), 5, Sharing::Own);
+        session.shoot(&ready, &mut |_| true).unwrap().outcome.film
+    };
+    let wanted = || coarse("phantom-size-8mm");
+    let fresh = shot(&mut session(), wanted());
+    let mut used = session();
+    let other = shot(&mut used, coarse("phantom-size-14mm"));
+    let warm = shot(&mut used, wanted());
+    assert_eq!((&warm.mean, &warm.variance), (&fresh.mean, &fresh.variance));
+    assert_ne!(other.mean, fresh.mean);
+}
+
+#[test]
+fn what_has_no_light_or_no_press_is_told() {
+    let mut session = session();
+    let flat = prepared(&mut session, preset("flat-bonded").unwrap());
+    assert!(matches!(session.baseline(&flat, &mut |_| true), Err(PipelineError::NoBaseline)));
+    let mut ball = coarse("phantom-size-8mm");
+    ball.scene.press.as_mut().unwrap().indenter = Some(crate::scene::Indenter::Round { radius_mm: 5.0 });
+    let order = Order::of(&ball.scene);
+    assert!(matches!(session.prepare(ball, &order, &mut |_| true), Err(PipelineError::NoLight)));
+    let wanted = coarse("phantom-size-8mm");
+    let order = Order::of(&wanted.scene);
+    assert!(matches!(session.prepare(wanted, &order, &mut |_| false), Err(PipelineError::Press(_))));
+}
