@@ -2,24 +2,29 @@
 //! command after the other?
 //!
 //!     LP_NATIVE_VECTOR_WIDTH=512 cargo run --release --example labelled_images -- [--images 12] [--seed 1]
-//!         [--error 0.01] [--sweep] [--estimate] [--program target/release/tirtouch]
+//!         [--error 0.01] [--sweep] [--estimate] [--alone] [--program target/release/tirtouch]
 //!
 //! Draws spheres of 4 to 14 mm and 20 to 150 kPa, their tops 3 to 10 mm deep as far as they fit, in the phantom of
-//! `phantom-size-8mm`; each is pressed by 1, 2 and 4 mm, and its image at 4 mm is traced to an error of 1 % a pixel and
-//! exposed. With `--sweep` the phantom stays and the index of the touched layer changes. Presses estimate their errors
-//! with `--estimate`. Prints the label, the first grey levels and the seconds of each image, and images a minute; with
-//! `--program` also those of that program, a command for each image of the same scenes. The variable makes Mesa's
-//! llvmpipe work as widely as the program lets it; other drivers do not read it.
+//! `phantom-size-8mm`; each is pressed by 1, 2 and 4 mm, and its image at 4 mm is traced and exposed. The first image is
+//! traced to the error asked for, a share of a pixel's radiance; the others with a third more photons than that took, and
+//! with more again where these did not do. One thread presses the next phantom, from the last one, while this one is traced;
+//! with `--alone` each is pressed from rest and traced to the error. With `--sweep` the phantom stays and the index of the
+//! touched layer changes. Presses estimate their errors with `--estimate`.
+//!
+//! Prints the label, the sum of grey levels and the seconds of each image, and images a minute; with `--program` also
+//! those of that program, a command for each image of the same scenes. The variable makes Mesa's llvmpipe work as widely
+//! as the program lets it; other drivers do not read it.
 
 use anyhow::{Context as _, Result, ensure};
 use clap::Parser;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::time::Instant;
 use tirtouch::camera::noise::PixelRandom;
-use tirtouch::pipeline::{Order, Session};
+use tirtouch::pipeline::{Order, Prepared, Session};
 use tirtouch::scene::{Elastic, InclusionBody, LoadedScene, preset};
-use tirtouch::trace::{BackendChoice, Precision};
+use tirtouch::trace::{BackendChoice, Devices, Precision};
 
 #[derive(Parser)]
 struct Arguments {
@@ -38,10 +43,16 @@ struct Arguments {
     /// Presses estimate their errors.
     #[arg(long)]
     estimate: bool,
+    /// No neighbour's press, no other image's work.
+    #[arg(long)]
+    alone: bool,
     /// A program that renders the same scenes, one a command.
     #[arg(long)]
     program: Option<PathBuf>,
 }
+
+/// Photons of an image above those that sufficed for another.
+const MARGIN: f64 = 1.3;
 
 /// A scene and its label.
 fn drawn(arguments: &Arguments, number: u32) -> Result<(LoadedScene, String)> {
@@ -79,37 +90,71 @@ fn resident_mib() -> Option<f64> {
     line.split_whitespace().nth(1)?.parse::<f64>().ok().map(|kib| kib / 1024.0)
 }
 
+/// Presses the phantoms one after the other.
+fn presses(arguments: &Arguments, ready: &SyncSender<Result<(Prepared, String)>>) {
+    let mut session = Session::from(Devices::cpu(Precision::F32));
+    for number in 0..arguments.images {
+        let prepared = drawn(arguments, number).and_then(|(loaded, label)| {
+            let order = Order { near: !arguments.alone, ..Order::of(&loaded.scene) };
+            Ok((session.prepare(loaded, &order, &mut |_| true)?, label))
+        });
+        if ready.send(prepared).is_err() {
+            return;
+        }
+    }
+}
+
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
     let start = Instant::now();
-    let mut session = Session::open(BackendChoice::Auto, Precision::F32)?;
+    let session = Session::open(BackendChoice::Auto, Precision::F32)?;
     let mut first = 0.0;
-    for number in 0..arguments.images {
-        let timer = Instant::now();
-        let (loaded, label) = drawn(&arguments, number)?;
-        let mut order = Order::of(&loaded.scene);
-        order.settings.target_error = Some(arguments.error);
-        let prepared = session.prepare(loaded, &order, &mut |_| true)?;
-        let pressed = timer.elapsed().as_secs_f64();
-        let shot = session.shoot(&prepared, &mut |_| true)?;
-        let seconds = timer.elapsed().as_secs_f64();
-        let grey: u64 = shot.frame.grey.iter().map(|&grey| u64::from(grey)).sum();
-        let outcome = &shot.outcome;
-        println!(
-            "{number}: {label}: {seconds:.2} s ({pressed:.2} press and surfaces, {:.2} kernels, {:.2} light), error {:.4}, grey {grey}, {:.0} MiB",
-            outcome.setup_seconds,
-            outcome.seconds,
-            outcome.relative_error.unwrap_or(f64::NAN),
-            resident_mib().unwrap_or(f64::NAN),
-        );
-        if number == 0 {
-            first = start.elapsed().as_secs_f64();
+    let (mut found, mut again): (Option<[f64; 2]>, u32) = (None, 0);
+    std::thread::scope(|scope| -> Result<()> {
+        // A press waits until the one before is taken.
+        let (ready, images) = sync_channel(0);
+        scope.spawn(|| presses(&arguments, &{ ready }));
+        for (number, image) in images.into_iter().enumerate() {
+            let (mut prepared, label) = image?;
+            let timer = Instant::now();
+            let mut work = found.filter(|_| !arguments.alone);
+            let (frame, outcome) = loop {
+                let settings = &mut prepared.settings;
+                settings.target_error = if work.is_none() { Some(arguments.error) } else { None };
+                if let Some([spp, photons]) = work {
+                    (settings.spp, settings.photons) = (spp.ceil() as u32, Some(photons as u64));
+                }
+                let shot = session.shoot(&prepared, &mut |_| true)?;
+                let more = shot.outcome.relative_error.map_or(1.0, |error| (error / arguments.error).powi(2));
+                let [spp, photons] = [shot.outcome.spp as f64, shot.outcome.photons as f64];
+                if more <= 1.0 || work.is_none() {
+                    found.get_or_insert([spp, MARGIN * photons]);
+                    break (shot.frame, shot.outcome);
+                }
+                again += 1;
+                work = Some([spp, MARGIN * more * photons]);
+            };
+            let grey: u64 = frame.grey.iter().map(|&grey| u64::from(grey)).sum();
+            println!(
+                "{number}: {label}: {:.2} s ({:.2} kernels), error {:.4}, grey {grey}, {:.0} MiB",
+                timer.elapsed().as_secs_f64(),
+                outcome.setup_seconds,
+                outcome.relative_error.unwrap_or(f64::NAN),
+                resident_mib().unwrap_or(f64::NAN),
+            );
+            if number == 0 {
+                first = start.elapsed().as_secs_f64();
+            }
         }
-    }
+        Ok(())
+    })?;
     let seconds = start.elapsed().as_secs_f64();
     let rate = |images: u32, seconds: f64| 60.0 * f64::from(images) / seconds;
     let after = rate(arguments.images.saturating_sub(1), seconds - first);
-    println!("session: {:.1} images a minute, {after:.1} after the first", rate(arguments.images, seconds));
+    println!(
+        "session: {:.1} images a minute, {after:.1} after the first; {again} were traced twice",
+        rate(arguments.images, seconds)
+    );
     if let Some(program) = &arguments.program {
         let folder = std::env::temp_dir().join(format!("tirtouch-labelled-images-{}", std::process::id()));
         std::fs::create_dir_all(&folder)?;

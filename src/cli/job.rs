@@ -59,7 +59,7 @@ impl Job {
             settings: common.settings(&loaded.scene.render),
             sharing: if common.common_random_numbers { Sharing::Common } else { Sharing::Own },
             without_inclusions: common.without_inclusions,
-            sketch: false,
+            ..Order::of(&loaded.scene)
         };
         if order.without_inclusions && loaded.scene.press.is_none() {
             let message = format!("{}: --without-inclusions needs a scene with a [press]", file.display());

@@ -18,6 +18,10 @@ pub struct Order {
     pub sharing: Sharing,
     /// The phantom without its inclusions, on the same mesh.
     pub without_inclusions: bool,
+    /// The press starts from what the session's last one found, of a phantom like it, in a half of the iterations or a
+    /// third. It is as well balanced, but the same to rounding only, and where a deep press has several states it may
+    /// find another (docs/decisions/warm-starts.md): its bits depend on what came before.
+    pub near: bool,
     /// For a quick look: a press on a coarse mesh, without an estimate of its error.
     pub sketch: bool,
 }
@@ -27,7 +31,7 @@ impl Order {
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let settings = Settings::of(&scene.render);
-        Self { settings, sharing: Sharing::Own, without_inclusions: false, sketch: false }
+        Self { settings, sharing: Sharing::Own, without_inclusions: false, near: false, sketch: false }
     }
 
     /// The random numbers of the scene's first load.

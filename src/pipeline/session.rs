@@ -58,7 +58,8 @@ impl Session {
         if let Some(kept) = self.presses.iter().find(same) {
             return Ok(kept.pressed.clone());
         }
-        let pressed = Arc::new(press_near(&setup, None, settings, observe)?);
+        let near = self.presses.front().filter(|_| order.near).map(|kept| &*kept.pressed);
+        let pressed = Arc::new(press_near(&setup, near, settings, observe)?);
         self.presses.truncate(KEPT_PRESSES - 1);
         let kept = Kept { setup, estimate_error: settings.estimate_error, pressed: pressed.clone() };
         self.presses.push_front(kept);

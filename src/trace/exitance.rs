@@ -11,6 +11,7 @@ use super::smooth::Smoother;
 use super::spread::Spread;
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::OnceLock;
 
 /// Pairs of widths of the boxes on trial, texels.
 const WIDTHS: [[usize; 2]; 6] = [[1, 3], [3, 7], [5, 11], [7, 15], [9, 19], [13, 27]];
@@ -193,23 +194,52 @@ impl TouchedFace {
     /// Chooses the smoothing from the maps of independent replicates.
     pub fn choose(&self, maps: &[ContactLight]) -> Smoothing {
         let groups = GROUPS.min(maps.len());
-        let mut chosen = Smoothing::default();
         if groups < 3 {
-            return chosen;
+            return Smoothing::default();
         }
-        for which in (0..2).filter(|&which| self.seen[which]) {
+        let smoothers = Smoothers::new(&self.area, self.columns);
+        let choose = |which: usize| {
+            if !self.seen[which] {
+                return (1, 0.0);
+            }
             let group = |k: usize| mean(maps.iter().skip(k).step_by(groups).map(|map| map.light[which].as_slice()));
             let parts: Vec<Vec<f64>> = (0..groups).map(group).collect();
-            let (width, bias) = width(&parts, &self.area, self.columns);
+            let (width, bias) = width(&parts, &smoothers);
             // What was found without photons is not smoothed, but is light too.
             let direct = mean(maps.iter().filter_map(|map| map.direct.as_ref()).map(|direct| direct[which].as_slice()));
             let mut light = mean(parts.iter().map(Vec::as_slice));
             light.iter_mut().zip(&direct).for_each(|(v, direct)| *v += direct);
             let square: f64 = light.iter().zip(&self.area).map(|(v, area)| v * v * area).sum();
-            chosen.widths[which] = width;
-            chosen.bias[which] = if bias > 0.0 { bias / square.sqrt() } else { 0.0 };
+            (width, if bias > 0.0 { bias / square.sqrt() } else { 0.0 })
+        };
+        let (contact, gap) = rayon::join(|| choose(0), || choose(1));
+        Smoothing { widths: [contact.0, gap.0], bias: [contact.1, gap.1] }
+    }
+}
+
+/// Smoothers of one face by the width of their boxes, each made when it is first asked for.
+struct Smoothers<'a> {
+    area: &'a [f64],
+    columns: usize,
+    by_width: Vec<(usize, OnceLock<Smoother>)>,
+}
+
+impl<'a> Smoothers<'a> {
+    fn new(area: &'a [f64], columns: usize) -> Self {
+        let by_width = WIDTHS.iter().flatten().map(|&width| (width, OnceLock::new())).collect();
+        Self { area, columns, by_width }
+    }
+
+    /// Each of the parts smoothed by boxes of a width.
+    fn smooth(&self, parts: &[Vec<f64>], width: usize) -> Vec<Vec<f64>> {
+        let make = || Smoother::new(self.area, self.columns, width);
+        match self.by_width.iter().find(|(known, _)| *known == width) {
+            Some((_, smoother)) => {
+                let smoother = smoother.get_or_init(make);
+                parts.par_iter().map(|part| smoother.smooth(part)).collect()
+            }
+            None => parts.par_iter().map(|part| make().smooth(part)).collect(),
         }
-        chosen
     }
 }
 
@@ -225,18 +255,15 @@ impl TouchedFace {
 /// parts, which have no noise in common, and is known to about the error of that measure. While both together are below
 /// [`MOST_ADDED`] times the variance of T_v, v is taken: its bias is 3 to 35 times smaller than what d adds. Nothing is
 /// extrapolated below v: where d is so wide that its bias no longer grows as a power, that would promise too much.
-fn width(parts: &[Vec<f64>], area: &[f64], columns: usize) -> (usize, f64) {
-    let mut chosen = (1, 0.0);
-    let Some(weights) = over_local_noise(parts, area, columns) else {
+fn width(parts: &[Vec<f64>], smoothers: &Smoothers) -> (usize, f64) {
+    let (area, mut chosen) = (smoothers.area, (1, 0.0));
+    let Some(weights) = over_local_noise(parts, area, smoothers.columns) else {
         return chosen;
     };
     let mut known: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
     for [narrow, wide] in WIDTHS {
         for width in [narrow, wide] {
-            known.entry(width).or_insert_with(|| {
-                let smoother = Smoother::new(area, columns, width);
-                parts.par_iter().map(|part| smoother.smooth(part)).collect()
-            });
+            known.entry(width).or_insert_with(|| smoothers.smooth(parts, width));
         }
         let pairs = known[&wide].iter().zip(&known[&narrow]);
         let added: Vec<Vec<f64>> = pairs.map(|(w, n)| w.iter().zip(n).map(|(w, n)| w - n).collect()).collect();
@@ -375,7 +402,7 @@ mod tests {
         let area = vec![1.0; COLUMNS * COLUMNS];
         let bump = |x: f64, y: f64| 2.0 + (3.0 * x).sin() * (2.0 * y).cos();
         let noisy = parts(bump, 20.0);
-        let (wide, bias) = width(&noisy, &area, COLUMNS);
+        let (wide, bias) = width(&noisy, &Smoothers::new(&area, COLUMNS));
         let raw = error(&noisy[0], bump);
         let smooth = error(&Smoother::new(&area, COLUMNS, wide).smooth(&noisy[0]), bump);
         let light = COLUMNS as f64 * 2.0;
@@ -383,9 +410,13 @@ mod tests {
         assert!(smooth < 0.11 * raw, "{smooth} {raw}");
         // The same noise about an edge: the kernel stays at the texel where photons abound.
         let edge = |x: f64, _: f64| if x < 0.5 { 1.0 } else { 2.0 };
-        assert_eq!(width(&parts(edge, 2e4), &area, COLUMNS).0, 1);
+        assert_eq!(width(&parts(edge, 2e4), &Smoothers::new(&area, COLUMNS)).0, 1);
         let nothing = vec![0.0; COLUMNS * COLUMNS];
-        assert_eq!(width(&parts(bump, 20.0), &nothing, COLUMNS), (1, 0.0), "a face that nothing touches");
+        assert_eq!(
+            width(&parts(bump, 20.0), &Smoothers::new(&nothing, COLUMNS)),
+            (1, 0.0),
+            "a face that nothing touches"
+        );
     }
 
     #[test]
@@ -393,14 +424,14 @@ mod tests {
         let area = vec![1.0; COLUMNS * COLUMNS];
         let bump = |x: f64, y: f64| 1.0 + 4.0 * (-((x - 0.5).powi(2) + (y - 0.5).powi(2)) / 0.02).exp();
         let sound = parts(bump, 3.0);
-        let (expected, _) = width(&sound, &area, COLUMNS);
+        let (expected, _) = width(&sound, &Smoothers::new(&area, COLUMNS));
         assert!(expected > 1, "nothing is smoothed");
         for strong in [30.0, 300.0] {
             let mut struck = sound.clone();
             // In one of the parts, on 5 x 5 texels. With one measure of noise for the face: 9 and 13 texels in place of
             // 3.
             (0..25).for_each(|k| struck[3][(k / 5 + 2) * COLUMNS + k % 5 + 2] += strong);
-            assert_eq!(width(&struck, &area, COLUMNS).0, expected, "{strong}");
+            assert_eq!(width(&struck, &Smoothers::new(&area, COLUMNS)).0, expected, "{strong}");
         }
     }
 
@@ -419,7 +450,7 @@ mod tests {
             .collect();
         for photons in [3.0, 10.0, 30.0] {
             let parts = parts(light, photons);
-            let (wide, _) = width(&parts, &area, COLUMNS);
+            let (wide, _) = width(&parts, &Smoothers::new(&area, COLUMNS));
             let bias = |width| {
                 let smooth = Smoother::new(&area, COLUMNS, width).smooth(&exact);
                 let square = |k: usize| area[k] * (smooth[k] - exact[k]).powi(2);

@@ -72,7 +72,7 @@ impl Smoother {
 
     fn once(&self, density: &[f64]) -> Vec<f64> {
         let flux: Vec<f64> = density.iter().zip(&self.area).map(|(density, area)| density * area).collect();
-        let [whole, x, y] = [[0, 0], [1, 0], [0, 1]].map(|powers| self.sum(&flux, powers));
+        let [whole, x, y] = self.moments(flux);
         let value = |(k, fit): (usize, &[f64; 3])| {
             let place = self.place(k);
             fit[0] * whole[k] + fit[1] * (x[k] - place[0] * whole[k]) + fit[2] * (y[k] - place[1] * whole[k])
@@ -86,17 +86,39 @@ impl Smoother {
 
     /// Sums under the kernel of a field times powers, up to 2, of the place.
     fn sum(&self, field: &[f64], powers: [usize; 2]) -> Vec<f64> {
-        let [_, _, columns, rows] = self.window;
         let power = |x: usize, power: usize| [1.0, x as f64, (x * x) as f64][power];
         let mut field = field.to_vec();
-        for (y, row) in field.chunks_mut(columns).enumerate() {
+        for (y, row) in field.chunks_mut(self.window[2]).enumerate() {
             row.iter_mut().enumerate().for_each(|(x, v)| *v *= power(x, powers[0]) * power(y, powers[1]));
         }
-        for (columns, rows) in [(columns, rows), (rows, columns)] {
-            (0..3).for_each(|_| boxes(&mut field, columns, self.width));
-            field = turned(&field, columns, rows);
-        }
-        field
+        self.across(&self.along(field))
+    }
+
+    /// Sums under the kernel of a field, and of it times the place along both axes.
+    fn moments(&self, field: Vec<f64>) -> [Vec<f64>; 3] {
+        let [_, _, columns, rows] = self.window;
+        let times = |field: &[f64], length: usize| -> Vec<f64> {
+            field.chunks(length).enumerate().flat_map(|(k, line)| line.iter().map(move |v| v * k as f64)).collect()
+        };
+        let times_y = self.along(times(&field, columns));
+        let along = self.along(field);
+        let times_x = times(&along, rows);
+        [along, times_x, times_y].map(|field| self.across(&field))
+    }
+
+    /// The kernel along y of a field by rows; by columns afterwards.
+    fn along(&self, mut field: Vec<f64>) -> Vec<f64> {
+        let [_, _, columns, rows] = self.window;
+        (0..3).for_each(|_| boxes(&mut field, columns, self.width));
+        turned(&field, columns, rows)
+    }
+
+    /// The kernel along x of a field by columns; by rows afterwards.
+    fn across(&self, field: &[f64]) -> Vec<f64> {
+        let [_, _, columns, rows] = self.window;
+        let mut field = field.to_vec();
+        (0..3).for_each(|_| boxes(&mut field, rows, self.width));
+        turned(&field, rows, columns)
     }
 }
 
