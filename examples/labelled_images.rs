@@ -5,15 +5,15 @@
 //!         [--error 0.01] [--sweep] [--estimate] [--alone] [--program target/release/tirtouch]
 //!
 //! Draws spheres of 4 to 14 mm and 20 to 150 kPa, their tops 3 to 10 mm deep as far as they fit, in the phantom of
-//! `phantom-size-8mm`; each is pressed by 1, 2 and 4 mm, and its image at 4 mm is traced and exposed. The first image is
-//! traced to the error asked for, a share of a pixel's radiance; the others with a third more photons than that took, and
-//! with more again where these did not do. One thread presses the next phantom, from the last one, while this one is traced;
-//! with `--alone` each is pressed from rest and traced to the error. With `--sweep` the phantom stays and the index of the
-//! touched layer changes. Presses estimate their errors with `--estimate`.
+//! `phantom-size-8mm`; each is pressed by 1, 2 and 4 mm, and its image at 4 mm is traced and exposed. The first image
+//! is traced to the error asked for, a share of a pixel's radiance; the others with a third more photons than that
+//! took, and with more again where these did not do. One thread presses the next phantom, from the last one, while this
+//! one is traced; with `--alone` each is pressed from rest and traced to the error. With `--sweep` the phantom stays
+//! and the index of the touched layer changes. Presses estimate their errors with `--estimate`.
 //!
 //! Prints the label, the sum of grey levels and the seconds of each image, and images a minute; with `--program` also
-//! those of that program, a command for each image of the same scenes. The variable makes Mesa's llvmpipe work as widely
-//! as the program lets it; other drivers do not read it.
+//! those of that program, a command for each image of the same scenes. The variable makes Mesa's llvmpipe work as
+//! widely as the program lets it; other drivers do not read it.
 
 use anyhow::{Context as _, Result, ensure};
 use clap::Parser;

@@ -32,8 +32,9 @@ const LEAST_PHOTONS: u64 = 1 << 22;
 const LEAST_PHOTONS_BESIDE_UNFOLDING: u64 = 1 << 20;
 /// Fewest photons of a replicate for an asked time.
 const FEW_PHOTONS: u64 = 1 << 12;
-/// Photons of a replicate that an asked error begins with: in an image of full size they take less than its camera paths
-/// and its map do, which each attempt pays for. With an eighth of them a phantom at 1 % took three attempts, not two.
+/// Photons of a replicate that an asked error begins with: in an image of full size they take less than its camera
+/// paths and its map do, which each attempt pays for. With an eighth of them a phantom at 1 % took three attempts, not
+/// two.
 const FIRST_PHOTONS: u64 = 1 << 15;
 /// Most camera paths per pixel for an asked error.
 const MOST_SPP: u32 = 1 << 24;
@@ -140,8 +141,8 @@ fn blotches(method: Method, film: &Film) -> Option<String> {
     ))
 }
 
-/// Renders a model. `observe` is called between chunks; false stops the work. For an asked error each rendering counts from
-/// 0 to 1 by itself.
+/// Renders a model. `observe` is called between chunks; false stops the work. For an asked error each rendering counts
+/// from 0 to 1 by itself.
 ///
 /// For an asked error it renders with the least work first, and from what that leaves anew with as much as it takes:
 /// the smoothing of a map is then chosen for the noise of the whole, and its bias shrinks with it. The least work is a

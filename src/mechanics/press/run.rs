@@ -79,8 +79,9 @@ pub fn press(setup: &Setup, settings: PressSettings, observe: &mut Observer) -> 
 }
 
 /// As [`press`], and starts at each depth from what another press found there, that of a phantom like it: half as many
-/// iterations, a third or fewer where the two are much alike. The state is as well balanced; where a deep press has several, in which the
-/// elements beside the sensor's wall fold differently, it may be another one (docs/decisions/warm-starts.md).
+/// iterations, a third or fewer where the two are much alike. The state is as well balanced; where a deep press has
+/// several, in which the elements beside the sensor's wall fold differently, it may be another one
+/// (docs/decisions/warm-starts.md).
 ///
 /// # Errors
 /// As [`press`].
@@ -93,8 +94,8 @@ pub fn press_near(
     let ready = Ready::new(setup, settings.method)?;
     let what = if settings.estimate_error { "estimating the error" } else { "pressing on a coarser mesh" };
     let start = Instant::now();
-    // Faces that slide first find each other on a coarser mesh: what touches on another phantom is too far from what does
-    // on this one. What is to estimate the error may come first too.
+    // Faces that slide first find each other on a coarser mesh: what touches on another phantom is too far from what
+    // does on this one. What is to estimate the error may come first too.
     let slides = ready.assembly.problem.slides();
     let leads = ready.takes_guesses() && (slides || (settings.estimate_error && near.is_none()));
     let first = if leads { 0.25 } else { 0.0 };
@@ -121,8 +122,8 @@ pub fn press_near(
     Ok(pressed)
 }
 
-/// The press on the next coarser mesh, read halfway to far depths too, as far as it comes; `near` is for it. Where there is no such mesh
-/// an error cannot be estimated.
+/// The press on the next coarser mesh, read halfway to far depths too, as far as it comes; `near` is for it. Where
+/// there is no such mesh an error cannot be estimated.
 fn coarser(
     setup: &Setup,
     near: Option<&Pressed>,

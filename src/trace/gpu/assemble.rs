@@ -83,8 +83,8 @@ pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> (String, Num
     (pieces.concat(), numbers)
 }
 
-/// `read_scene`, and functions `layer_FIELD(k)`, `face_FIELD(i)` and `lamp_FIELD(k)` with the scene's numbers: chains of
-/// selects over them.
+/// `read_scene`, and functions `layer_FIELD(k)`, `face_FIELD(i)` and `lamp_FIELD(k)` with the scene's numbers: chains
+/// of selects over them.
 fn accessors(model: &Model<f32>) -> (String, Numbers) {
     let field_vectors = match &model.shape {
         Shape::Field(f) => match &f.heights {
