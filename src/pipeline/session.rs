@@ -26,6 +26,8 @@ pub struct Session {
 struct Kept {
     setup: Setup,
     estimate_error: bool,
+    /// Whether it started from another: its bits then depend on that one.
+    near: bool,
     pressed: Arc<Pressed>,
 }
 
@@ -54,14 +56,17 @@ impl Session {
         observe: &mut Observer,
     ) -> Result<Arc<Pressed>, PipelineError> {
         let (setup, settings) = asked(loaded, order)?;
-        let same = |kept: &&Kept| kept.estimate_error == settings.estimate_error && kept.setup == setup;
+        let same = |kept: &&Kept| {
+            kept.estimate_error == settings.estimate_error && kept.setup == setup && (order.near || !kept.near)
+        };
         if let Some(kept) = self.presses.iter().find(same) {
             return Ok(kept.pressed.clone());
         }
         let near = self.presses.front().filter(|_| order.near).map(|kept| &*kept.pressed);
         let pressed = Arc::new(press_near(&setup, near, settings, observe)?);
+        let (near, estimate_error) = (near.is_some(), settings.estimate_error);
         self.presses.truncate(KEPT_PRESSES - 1);
-        let kept = Kept { setup, estimate_error: settings.estimate_error, pressed: pressed.clone() };
+        let kept = Kept { setup, estimate_error, near, pressed: pressed.clone() };
         self.presses.push_front(kept);
         Ok(pressed)
     }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::{Order, PipelineError, Prepared, Session};
+use crate::mechanics::press::Pressed;
 use crate::scene::{LoadedScene, preset};
 use crate::streams::{Sharing, Streams};
 use crate::trace::{Devices, Precision, Settings};
@@ -130,6 +131,25 @@ fn an_image_is_the_same_to_the_bit_whatever_its_session_did_before() {
     let warm = shot(&mut used, wanted());
     assert_eq!((&warm.mean, &warm.variance), (&fresh.mean, &fresh.variance));
     assert_ne!(other.mean, fresh.mean);
+}
+
+/// A press that started from another is none for who asks for one by itself.
+#[test]
+fn a_press_from_another_is_kept_apart() {
+    let mut session = session();
+    prepared(&mut session, coarse("phantom-size-14mm"));
+    let press = |session: &mut Session, near: bool| {
+        let loaded = coarse("phantom-size-8mm");
+        let order = Order { near, ..Order::of(&loaded.scene) };
+        session.press(&loaded, &order, &mut |_| true).unwrap()
+    };
+    let near = press(&mut session, true);
+    let alone = press(&mut session, false);
+    assert!(!Arc::ptr_eq(&near, &alone));
+    assert!(near.iterations < alone.iterations, "{} and {}", near.iterations, alone.iterations);
+    let force = |pressed: &Pressed| pressed.steps.last().unwrap().force_n;
+    assert!((force(&near) / force(&alone) - 1.0).abs() < 2e-3, "{} and {}", force(&near), force(&alone));
+    assert!(Arc::ptr_eq(&alone, &press(&mut session, false)));
 }
 
 #[test]
