@@ -132,7 +132,7 @@ fn main() -> Result<()> {
                     break (shot.frame, shot.outcome);
                 }
                 again += 1;
-                work = Some([spp, MARGIN * more * photons]);
+                work = Some([spp, photons].map(|work| MARGIN * more * work));
             };
             let grey: u64 = frame.grey.iter().map(|&grey| u64::from(grey)).sum();
             println!(
@@ -152,7 +152,7 @@ fn main() -> Result<()> {
     let rate = |images: u32, seconds: f64| 60.0 * f64::from(images) / seconds;
     let after = rate(arguments.images.saturating_sub(1), seconds - first);
     println!(
-        "session: {:.1} images a minute, {after:.1} after the first; {again} were traced twice",
+        "session: {:.1} images a minute, {after:.1} after the first; {again} attempts fell short",
         rate(arguments.images, seconds)
     );
     if let Some(program) = &arguments.program {

@@ -13,7 +13,7 @@ use crate::scene::LoadedScene;
 use crate::streams::{Role, Streams};
 use crate::surface::Surface;
 use crate::trace::gains::{Gain, gains};
-use crate::trace::{Devices, Kernel, Method, Plan, Settings};
+use crate::trace::{BackendChoice, Devices, Kernel, Method, Plan, Precision, Settings};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -68,22 +68,23 @@ impl Inspect {
             return self.mechanics(&loaded, &file).map(|()| Outcome::Done);
         }
         check_light(&loaded, &file)?;
-        let (job, prepared) = Job::sketch(&self.scene)?;
-        let (devices, model) = (job.session.devices(), &prepared.model);
+        let prepared = Job::sketch(&self.scene)?;
+        let model = &prepared.model;
+        let devices = Devices::open(BackendChoice::Auto, Precision::F32);
         let kernel = Kernel::of(model);
         let plan = Plan::choose(prepared.settings.integrator, &kernel)?;
-        let device = match devices.load(model) {
-            Ok(backend) => Device {
-                backend: Some(backend.name()),
-                adapter: backend.adapter(),
-                notice: devices.notice().map(str::to_owned),
-            },
-            Err(error) => {
-                Device { backend: None, adapter: "none that can do it".into(), notice: Some(error.to_string()) }
-            }
-        };
+        let loads = |devices: &Devices| devices.load(model).map_err(|error| error.to_string());
+        let device =
+            match devices.as_ref().map_err(ToString::to_string).and_then(|devices| Ok((devices, loads(devices)?))) {
+                Ok((devices, backend)) => Device {
+                    backend: Some(backend.name()),
+                    adapter: backend.adapter(),
+                    notice: devices.notice().map(str::to_owned),
+                },
+                Err(error) => Device { backend: None, adapter: "none that can do it".into(), notice: Some(error) },
+            };
         let press = press_cost(&loaded, &self.scene)?;
-        let gains = if self.gains { Some(self.measure(devices, &prepared)?) } else { None };
+        let gains = if self.gains { Some(self.measure(&devices?, &prepared)?) } else { None };
         let seen = Seen { layers: layers(&prepared), prepared: &prepared, kernel, plan, device, press, gains };
         match self.talk.json {
             true => print(&seen.json()?.to_string())?,

@@ -18,7 +18,7 @@ const PRESET: &str = "preset:";
 /// A scene, how it is wanted, and what works on it.
 pub(super) struct Job {
     pub loaded: Arc<LoadedScene>,
-    pub session: Session,
+    session: Session,
     order: Order,
     file: PathBuf,
     quiet: bool,
@@ -40,20 +40,23 @@ pub(super) fn check_light(loaded: &LoadedScene, file: &Path) -> Result<(), Failu
 impl Job {
     /// Loads a scene, checks that the flags suit it, and opens what traces, before any work.
     pub fn read(source: &Path, common: &Common) -> Result<Self, Failure> {
-        let job = Self::new(source, common)?;
+        let job = Self::new(source, common, || common.devices())?;
         check_light(&job.loaded, &job.file)?;
         Ok(job)
     }
 
-    /// A look at a scene.
-    pub fn sketch(source: &Path) -> Result<(Self, Prepared), Failure> {
-        let mut job = Self::new(source, &Common::default())?;
+    /// A look at a scene, which traces nothing.
+    pub fn sketch(source: &Path) -> Result<Prepared, Failure> {
+        let mut job = Self::new(source, &Common::default(), || Ok(Devices::cpu(Precision::F32)))?;
         (job.order.sketch, job.quiet) = (true, true);
-        let prepared = job.prepare()?;
-        Ok((job, prepared))
+        job.prepare()
     }
 
-    fn new(source: &Path, common: &Common) -> Result<Self, Failure> {
+    fn new(
+        source: &Path,
+        common: &Common,
+        devices: impl FnOnce() -> Result<Devices, Failure>,
+    ) -> Result<Self, Failure> {
         let (loaded, file) = load_scene(source)?;
         let order = Order {
             settings: common.settings(&loaded.scene.render),
@@ -65,8 +68,7 @@ impl Job {
             let message = format!("{}: --without-inclusions needs a scene with a [press]", file.display());
             return Err(Failure::usage(message).in_file(&file));
         }
-        let session = Session::from(common.devices()?);
-        Ok(Self { loaded: Arc::new(loaded), session, order, file, quiet: common.talk.quiet })
+        Ok(Self { loaded: Arc::new(loaded), session: devices()?.into(), order, file, quiet: common.talk.quiet })
     }
 
     /// Name of the scene.
@@ -139,7 +141,8 @@ pub(super) fn failure(error: PipelineError, file: &Path) -> Failure {
         PipelineError::Trace(error) => error.into(),
         PipelineError::Exposure(error) => error.into(),
         PipelineError::Projection(error) => error.into(),
-        PipelineError::Image(error) => error.into(),
+        PipelineError::Image(_) => Failure::input(words).in_file(file),
+        PipelineError::NoLoad { .. } => Failure::failed(words).in_file(file),
     }
 }
 

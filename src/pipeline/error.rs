@@ -27,6 +27,14 @@ pub enum PipelineError {
     /// An indenter presses in the sensor's place: there is no light.
     #[error("press.indenter: an indenter guides no light; `tirtouch press` presses it")]
     NoLight,
+    /// The press has no such load.
+    #[error("load {load} (counted from 0) of a press that has {of}")]
+    NoLoad {
+        /// Which was asked for.
+        load: usize,
+        /// How many there are.
+        of: usize,
+    },
     /// What is wanted needs a press.
     #[error("there is no baseline to subtract, since the scene presses nothing")]
     NoBaseline,

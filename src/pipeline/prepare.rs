@@ -37,7 +37,7 @@ impl Order {
     /// The random numbers of the scene's first load.
     pub(super) fn streams(&self, loaded: &LoadedScene) -> Streams {
         let role = if self.without_inclusions { Role::WithoutInclusions } else { Role::Image };
-        Streams { sharing: self.sharing, ..Streams::new(self.settings.seed, &*loaded.sha256, role) }
+        Streams { sharing: self.sharing, ..Streams::new(self.settings.seed, loaded.identity(), role) }
     }
 }
 
@@ -74,7 +74,13 @@ impl Prepared {
         streams: Streams,
     ) -> Result<Self, PipelineError> {
         let start = Instant::now();
-        let reached = press.as_ref().and_then(|(pressed, load)| Some((&**pressed, pressed.steps.get(*load)?)));
+        let reached = match &press {
+            Some((pressed, load)) => {
+                let (load, of) = (*load, pressed.steps.len());
+                Some((&**pressed, pressed.steps.get(load).ok_or(PipelineError::NoLoad { load, of })?))
+            }
+            None => None,
+        };
         let (surface, contact, model) = model_of(&loaded, reached)?;
         Plan::choose(settings.integrator, &Kernel::of(&model))?;
         let settings = Settings { seed: streams.light(), ..settings };

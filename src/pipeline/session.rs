@@ -2,7 +2,7 @@
 
 use super::{Order, PipelineError, Prepared, Shot};
 use crate::mechanics::from_scene::press_setup;
-use crate::mechanics::press::{Cost, PressSettings, Pressed, Setup, press_near};
+use crate::mechanics::press::{Cost, Load, PressSettings, Pressed, Setup, press_near};
 use crate::progress::Observer;
 use crate::scene::LoadedScene;
 use crate::streams::{Role, Streams};
@@ -56,11 +56,13 @@ impl Session {
         observe: &mut Observer,
     ) -> Result<Arc<Pressed>, PipelineError> {
         let (setup, settings) = asked(loaded, order)?;
-        let same = |kept: &&Kept| {
+        let same = |kept: &Kept| {
             kept.estimate_error == settings.estimate_error && kept.setup == setup && (order.near || !kept.near)
         };
-        if let Some(kept) = self.presses.iter().find(same) {
-            return Ok(kept.pressed.clone());
+        if let Some(kept) = self.presses.iter().position(same).and_then(|place| self.presses.remove(place)) {
+            let pressed = kept.pressed.clone();
+            self.presses.push_front(kept);
+            return Ok(pressed);
         }
         let near = self.presses.front().filter(|_| order.near).map(|kept| &*kept.pressed);
         let pressed = Arc::new(press_near(&setup, near, settings, observe)?);
@@ -87,7 +89,7 @@ impl Session {
             Some(_) => Some(self.press(&loaded, order, observe)?),
             None => None,
         };
-        let press = press.and_then(|pressed| Some((pressed.clone(), pressed.steps.len().checked_sub(1)?)));
+        let press = press.map(|pressed| (pressed.clone(), pressed.steps.len().saturating_sub(1)));
         let load = press.as_ref().map_or(0, |(_, load)| *load);
         let streams = Streams { load, ..order.streams(&loaded) };
         Prepared::new(loaded, press, order.settings.clone(), streams)
@@ -99,22 +101,16 @@ impl Session {
     /// As [`Self::prepare`]; `NoBaseline` where nothing is pressed.
     pub fn baseline(&self, prepared: &Prepared, observe: &mut Observer) -> Result<Prepared, PipelineError> {
         let Some((pressed, step)) = prepared.pressed() else { return Err(PipelineError::NoBaseline) };
-        let mut loaded = LoadedScene::clone(&prepared.loaded);
         // The traced load, at the depth that it reached, or the steps that lead to it.
-        if let (Some(press), Some((_, load))) = (&mut loaded.scene.press, &prepared.press) {
-            if press.step.is_empty() {
-                (press.depths_mm, press.forces_n) = (Some(vec![step.depth_mm]), None);
-            } else {
-                press.step.truncate(load + 1);
-            }
-            press.estimate_error = false;
-        }
-        let without = Order { without_inclusions: true, ..Order::of(&loaded.scene) };
-        let (setup, settings) = asked(&loaded, &without)?;
-        let baseline = Arc::new(press_near(&setup, Some(pressed), settings, observe)?);
+        let load = match (&pressed.setup.load, &prepared.press) {
+            (Load::Path(poses), Some((_, load))) => Load::Path(poses.iter().take(load + 1).copied().collect()),
+            _ => Load::Depths(vec![step.depth_mm]),
+        };
+        let setup = Setup { load, ..pressed.setup.without_inclusions() };
+        let baseline = Arc::new(press_near(&setup, Some(pressed), PressSettings::default(), observe)?);
         let streams = Streams { role: Role::Baseline, ..prepared.streams.clone() };
         let last = baseline.steps.len().saturating_sub(1);
-        Prepared::new(Arc::new(loaded), Some((baseline, last)), prepared.settings.clone(), streams)
+        Prepared::new(prepared.loaded.clone(), Some((baseline, last)), prepared.settings.clone(), streams)
     }
 
     /// Traces the image and exposes it.

@@ -5,7 +5,7 @@ use super::{Order, PipelineError, Prepared, Session};
 use crate::mechanics::press::Pressed;
 use crate::scene::{LoadedScene, preset};
 use crate::streams::{Sharing, Streams};
-use crate::trace::{Devices, Precision, Settings};
+use crate::trace::{BackendChoice, Devices, Precision, Settings, TraceError};
 use std::sync::Arc;
 
 fn session() -> Session {
@@ -81,6 +81,12 @@ fn each_seed_load_role_and_scene_has_a_stream_and_repeats_it() {
     let loads = last.press.as_ref().unwrap().0.steps.len();
     let mut streams: Vec<u32> = (0..loads).map(|load| last.at_load(load).unwrap().settings.seed).collect();
     assert_eq!(streams.last(), Some(&last.settings.seed), "the last load is the image");
+    // A scene that was changed in memory is another one.
+    let mut warmer = coarse("phantom-size-8mm");
+    warmer.scene.stack.layer[0].n = Some(1.411);
+    let changed = prepared(&mut session, warmer);
+    assert!(Arc::ptr_eq(&changed.press.as_ref().unwrap().0, &last.press.as_ref().unwrap().0));
+    streams.push(changed.settings.seed);
     streams.extend([other.settings.seed, reseeded(&last, last.streams.seed + 1, Sharing::Own).settings.seed]);
     let again = reseeded(&last, last.streams.seed, Sharing::Own);
     assert_eq!((again.settings.seed, again.streams.sensor()), (last.settings.seed, last.streams.sensor()));
@@ -163,5 +169,31 @@ fn what_has_no_light_or_no_press_is_told() {
     assert!(matches!(session.prepare(ball, &order, &mut |_| true), Err(PipelineError::NoLight)));
     let wanted = coarse("phantom-size-8mm");
     let order = Order::of(&wanted.scene);
-    assert!(matches!(session.prepare(wanted, &order, &mut |_| false), Err(PipelineError::Press(_))));
+    assert!(matches!(session.prepare(wanted.clone(), &order, &mut |_| false), Err(PipelineError::Press(_))));
+    let ready = session.prepare(wanted, &order, &mut |_| true).unwrap();
+    assert!(matches!(ready.at_load(99), Err(PipelineError::NoLoad { load: 99, .. })));
+    assert!(matches!(Devices::open(BackendChoice::Gpu, Precision::F64), Err(TraceError::Unsuited(_))));
+}
+
+/// However often it is asked, one "no" ends a press, also while a coarser mesh leads it.
+#[test]
+fn a_press_stops_when_it_is_told_once() {
+    let mut loaded = coarse("phantom-size-8mm");
+    loaded.scene.press.as_mut().unwrap().estimate_error = true;
+    let order = Order::of(&loaded.scene);
+    let mut all = 0;
+    let whole = session().press(&loaded, &order, &mut |_| {
+        all += 1;
+        true
+    });
+    assert!(whole.is_ok() && all > 3, "{all}");
+    for at in [1, all / 4, all / 2, 3 * all / 4] {
+        let mut asked = 0;
+        let stopped = session().press(&loaded, &order, &mut |_| {
+            asked += 1;
+            asked != at
+        });
+        assert!(matches!(stopped, Err(PipelineError::Press(_))), "{at} of {all}");
+        assert_eq!(asked, at);
+    }
 }

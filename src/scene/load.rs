@@ -40,6 +40,24 @@ impl<S> Loaded<S> {
     }
 }
 
+/// A SHA-256 in hexadecimal.
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+impl LoadedScene {
+    /// What tells the scene from others: the SHA-256 of its file, or one of the scene itself where that has been changed
+    /// since it was read.
+    #[must_use]
+    pub fn identity(&self) -> String {
+        let as_read = parse(&self.text, &self.folder).is_ok_and(|read| read.scene == self.scene);
+        match serde_json::to_vec(&self.scene) {
+            Ok(bytes) if !as_read => sha256(&bytes),
+            _ => self.sha256.clone(),
+        }
+    }
+}
+
 /// Reads a scene file.
 ///
 /// # Errors
@@ -148,7 +166,7 @@ fn parse_as<'t, S: Deserialize<'t>>(
         scene,
         folder: origin.parent().map(Path::to_path_buf).unwrap_or_default(),
         text: text.to_owned(),
-        sha256: Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect(),
+        sha256: sha256(text.as_bytes()),
     })
 }
 

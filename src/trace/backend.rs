@@ -177,7 +177,7 @@ impl Devices {
     /// Opens what is asked for. f64 is computed by the built-in tracer alone.
     ///
     /// # Errors
-    /// `NoAdapter` where a GPU is asked for and none is there; what a driver says.
+    /// `NoAdapter` where a GPU is asked for and none is there, `Unsuited` where one is asked for f64; what a driver says.
     pub fn open(choice: BackendChoice, precision: Precision) -> Result<Self, TraceError> {
         let cpu = Self::cpu(precision);
         let gpus = || {
@@ -187,6 +187,9 @@ impl Devices {
         match choice {
             BackendChoice::Cpu => Ok(cpu),
             BackendChoice::Auto if precision == Precision::F64 => Ok(cpu),
+            BackendChoice::Gpu if precision == Precision::F64 => {
+                Err(TraceError::Unsuited("the gpu computes in f32 only; f64 needs the built-in tracer".into()))
+            }
             BackendChoice::Gpu => gpus(),
             BackendChoice::Auto => match gpus() {
                 Err(TraceError::NoAdapter) => {

@@ -7,6 +7,7 @@ use super::{
     error_estimate,
 };
 use crate::mechanics::newton::{Method, Solver};
+use crate::mechanics::path::PathError;
 use crate::mechanics::problem::State;
 use crate::progress::{Observer, Stage};
 use std::time::{Duration, Instant};
@@ -136,6 +137,7 @@ fn coarser(
         Ok(ready) => ready,
     };
     match ready.press(near, observe) {
+        Err(stopped @ PressError::Stopped { cause: PathError::Stopped, .. }) => Err(stopped),
         Err(PressError::Stopped { reached, .. }) => Ok(Some(*reached)),
         pressed => pressed.map(Some),
     }
