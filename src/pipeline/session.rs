@@ -85,12 +85,14 @@ impl Session {
     ) -> Result<Prepared, PipelineError> {
         let loaded = loaded.into();
         guides_light(&loaded)?;
-        let press = match loaded.scene.press {
-            Some(_) => Some(self.press(&loaded, order, observe)?),
-            None => None,
+        let (press, load) = match loaded.scene.press {
+            Some(_) => {
+                let pressed = self.press(&loaded, order, observe)?;
+                let last = pressed.steps.len().saturating_sub(1);
+                (Some((pressed, last)), last)
+            }
+            None => (None, 0),
         };
-        let press = press.map(|pressed| (pressed.clone(), pressed.steps.len().saturating_sub(1)));
-        let load = press.as_ref().map_or(0, |(_, load)| *load);
         let streams = Streams { load, ..order.streams(&loaded) };
         Prepared::new(loaded, press, order.settings.clone(), streams)
     }
