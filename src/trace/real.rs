@@ -11,18 +11,22 @@ pub trait Real: Float + FromPrimitive + Send + Sync + std::fmt::Debug + 'static 
 }
 
 impl Real for f32 {
+    #[inline]
     fn of(v: f64) -> Self {
         v as f32
     }
+    #[inline]
     fn wide(self) -> f64 {
         f64::from(self)
     }
 }
 
 impl Real for f64 {
+    #[inline]
     fn of(v: f64) -> Self {
         v
     }
+    #[inline]
     fn wide(self) -> f64 {
         self
     }

@@ -1,7 +1,7 @@
 //! Films of all backends against each other, by their variances.
 
 use crate::adapter::require_gpu;
-use crate::scenes::{Case, presets, variants};
+use crate::scenes::{Case, at_once, presets, variants};
 use tirtouch::film::{BlockAccumulator, Comparison, Film, compare};
 use tirtouch::scene::Integrator;
 use tirtouch::trace::backend::CpuTracer;
@@ -82,8 +82,9 @@ fn gpu_films_agree_with_those_of_the_twin_in_f64() {
         }
     }
     let level = LEVEL / jobs.len() as f64;
-    for (case, method) in jobs {
-        let Some(found) = against_f64(case, case, method, level) else { return };
+    let found = at_once(&jobs, |(case, method)| against_f64(case, case, *method, level));
+    for ((case, method), found) in jobs.iter().zip(found) {
+        let Some(found) = found else { return };
         println!("{} by {}: ratio {:?}", case.name, method.name(), found.ratio);
         assert!(found.passed, "{} by {}: {}", case.name, method.name(), failed(&found));
     }

@@ -7,7 +7,7 @@
 
 use crate::adapter::require_gpu;
 use crate::films::{failed, film, gpu};
-use crate::scenes::model;
+use crate::scenes::{at_once, model};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -164,9 +164,12 @@ fn fresh_images_agree_with_the_stored_ones() {
         GOLDENS.iter().filter(|golden| which == "1" || which == golden.name).for_each(Golden::regenerate);
         panic!("the stored images were written anew; look at them, and run without {REGENERATE}");
     }
-    for golden in GOLDENS {
-        let Some(adapter) = require_gpu() else { return };
-        let (stored, fresh) = (golden.stored(), golden.fresh(&golden.scene(), |model| gpu(adapter, model)));
+    let fresh = at_once(GOLDENS, |golden| {
+        let adapter = require_gpu()?;
+        Some(golden.fresh(&golden.scene(), |model| gpu(adapter, model)))
+    });
+    for (golden, fresh) in GOLDENS.iter().zip(fresh) {
+        let (stored, Some(fresh)) = (golden.stored(), fresh) else { return };
         if stored.mean.iter().all(|&v| v == 0.0) {
             assert!(fresh.mean.iter().chain(&fresh.variance).all(|&v| v == 0.0), "{} is not dark", golden.name);
             continue;

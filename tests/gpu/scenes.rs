@@ -1,6 +1,7 @@
 //! The scenes of the tests: every preset, and variants for the pieces of the kernels that no preset needs.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{LazyLock, Mutex, Once};
 use tirtouch::pipeline::{Order, Session, model_of};
 use tirtouch::scene::{self, Inner, Lens, LoadedScene, Normals, PRESETS, Pattern, Press, Roughness, Shape, Walls};
@@ -36,6 +37,25 @@ impl Case {
         loaded.scene.render.map_texel_mm = FEW_TEXELS_MM;
         model(&loaded)
     }
+}
+
+/// What `job` says of each, in their order, four at a time: one that waits for a driver's compiler leaves the machine to
+/// the others.
+pub fn at_once<T: Sync, U: Send>(of: &[T], job: impl Fn(&T) -> U + Sync) -> Vec<U> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mine = std::iter::from_fn(|| {
+            let k = next.fetch_add(1, Ordering::Relaxed);
+            of.get(k).map(|item| (k, job(item)))
+        });
+        mine.collect::<Vec<_>>()
+    };
+    let mut said: Vec<(usize, U)> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..4).map(|_| scope.spawn(work)).collect();
+        threads.into_iter().flat_map(|thread| thread.join().unwrap_or_else(|e| std::panic::resume_unwind(e))).collect()
+    });
+    said.sort_by_key(|(k, _)| *k);
+    said.into_iter().map(|(_, said)| said).collect()
 }
 
 /// Texels for images of few pixels: a sixteenth of the default's, and below a pixel.

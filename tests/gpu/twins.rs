@@ -8,7 +8,7 @@
 use crate::adapter::require_gpu;
 use crate::films::gpu;
 use crate::rounding::{Rounded, reseed};
-use crate::scenes::{Case, presets, variants};
+use crate::scenes::{Case, at_once, presets, variants};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
 use tirtouch::scene::{Integrator, Walls};
@@ -199,16 +199,18 @@ fn compare_f64(model: &Model<f64>) -> Findings {
 }
 
 /// All scenes, by whatever traces them: few paths may differ, and each by rounding.
-fn few_differ_and_by_rounding(mut trace: impl FnMut(&Model<f64>) -> Option<Findings>) {
+fn few_differ_and_by_rounding(trace: impl Fn(&Model<f64>) -> Option<Findings> + Sync) {
+    let cases: Vec<Case> = presets().into_iter().chain(variants()).collect();
+    let findings = at_once(&cases, |case| (case.name.clone(), trace(&case.model(PIXELS))));
     let mut all = Findings::default();
-    for case in presets().iter().chain(&variants()) {
-        let Some(found) = trace(&case.model(PIXELS)) else { return };
+    for (name, found) in findings {
+        let Some(found) = found else { return };
         println!(
-            "{}: {} paths, {} events, {} differ: {:?}; light {:.1e}",
-            case.name, found.paths, found.events, found.differing, found.differences, found.light
+            "{name}: {} paths, {} events, {} differ: {:?}; light {:.1e}",
+            found.paths, found.events, found.differing, found.differences, found.light
         );
-        assert!(found.light <= LIGHT, "{}: {:.1e} of the light", case.name, found.light);
-        assert_eq!(found.unexplained(), 0, "{}: rounding does not explain {:?}", case.name, found.differences);
+        assert!(found.light <= LIGHT, "{name}: {:.1e} of the light", found.light);
+        assert_eq!(found.unexplained(), 0, "{name}: rounding does not explain {:?}", found.differences);
         all.add(found);
     }
     println!("{} paths, {} events, {:.1e} of the paths differ", all.paths, all.events, all.share());
@@ -288,12 +290,9 @@ fn faults_in_what_maps_and_splats_do_are_found() {
         ("pressed", "select(r, max(r, REFLECTED), MAPPED)", "select(r, max(r, 0.3), MAPPED)"),
         ("mesh-contact", "select(mesh_facet, mesh_normal,", "select(mesh_normal, mesh_facet,"),
     ];
-    let mut missed = Vec::new();
-    for (name, right, wrong) in faults {
-        let Some(adapter) = require_gpu() else { return };
-        if !shows(adapter, &Case::named(name).model(PIXELS), right, wrong) {
-            missed.push((name, wrong));
-        }
-    }
+    let seen = at_once(&faults, |&(name, right, wrong)| {
+        Some((name, wrong, shows(require_gpu()?, &Case::named(name).model(PIXELS), right, wrong)))
+    });
+    let missed: Vec<_> = seen.into_iter().flatten().filter(|(_, _, seen)| !seen).collect();
     assert!(missed.is_empty(), "{missed:?}");
 }
