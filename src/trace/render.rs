@@ -148,6 +148,9 @@ fn blotches(method: Method, film: &Film) -> Option<String> {
 /// the smoothing of a map is then chosen for the noise of the whole, and its bias shrinks with it. The least work is a
 /// camera path per pixel and replicate, and few photons: these are more by themselves until they match the camera
 /// paths, and with them from there.
+///
+/// # Errors
+/// `Unsuited` where the method does not suit the scene; as [`Devices::load`] and [`render_on`].
 pub fn render(
     devices: &Devices,
     model: &Model<f64>,
@@ -211,6 +214,10 @@ fn once(
 
 /// Renders on a backend that holds the model already: one device for many seeds. Work is that of the settings, or for
 /// their seconds; an asked error plays no part.
+///
+/// # Errors
+/// `Unsuited` as for [`render`], what the backend says, `Stopped` where `observe` says so; `Overflow` where sums of
+/// light are full, else as [`accepted`].
 pub fn render_on(
     backend: &mut Backend,
     model: &Model<f64>,
@@ -338,6 +345,10 @@ pub fn render_on(
 }
 
 /// The ledger, unless too much light is missing from the image: lost, or cut off by the cap on interactions.
+///
+/// # Errors
+/// `Lost` where more than one of the photons or of the camera paths, and 1e-6 of them, were lost; `Truncated` where the
+/// cap on interactions cut off more than 1e-4 of the light or of the paths' weight.
 pub fn accepted(totals: &Totals) -> Result<Ledger, TraceError> {
     let counts = [("photons", totals.lost(), totals.photons), ("camera paths", totals.fates.lost, totals.paths)];
     for (what, lost, sent) in counts {
