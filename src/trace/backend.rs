@@ -1,4 +1,7 @@
 //! The two backends behind one face: chunks of camera paths and of photons.
+//!
+//! On a GPU each of the two has a device of its own. They share nothing, so the surface is held twice, and llvmpipe,
+//! which compiles in a device's queue, compiles both kernels at once (docs/decisions/two-devices.md).
 
 use super::cpu::{self, Limits, book, camera::View, photons::Deposits};
 use super::finite;
@@ -168,7 +171,7 @@ impl Fates {
 #[derive(Clone)]
 pub struct Devices {
     precision: Precision,
-    /// One for camera paths, one for photons: llvmpipe compiles in a device's queue, so two compile two kernels at once.
+    /// One for camera paths, one for photons.
     gpus: Option<[Arc<Gpu>; 2]>,
     notice: Option<String>,
 }
@@ -177,7 +180,8 @@ impl Devices {
     /// Opens what is asked for. f64 is computed by the built-in tracer alone.
     ///
     /// # Errors
-    /// `NoAdapter` where a GPU is asked for and none is there, `Unsuited` where one is asked for f64; what a driver says.
+    /// `NoAdapter` where a GPU is asked for and none is there, `Unsuited` where one is asked for f64; what a driver
+    /// says.
     pub fn open(choice: BackendChoice, precision: Precision) -> Result<Self, TraceError> {
         let cpu = Self::cpu(precision);
         let gpus = || {

@@ -1,4 +1,8 @@
 //! From a model to a film with its error, its ledger and what it cost.
+//!
+//! An image is the mean of at least [`REPLICATES`] replicates, each with its own seed (and its own photons). The
+//! variance of the mean comes from their spread, for pixels and for blocks of pixels, because neighbours share photons.
+//! Within a replicate sums are 64-bit fixed point, so they do not depend on the order of the work.
 
 use super::backend::{Backend, Devices, TraceError};
 use super::batch::{Batch, Pacer, Times, Totals, Work};
@@ -145,9 +149,10 @@ fn blotches(method: Method, film: &Film) -> Option<String> {
 /// from 0 to 1 by itself.
 ///
 /// For an asked error it renders with the least work first, and from what that leaves anew with as much as it takes:
-/// the smoothing of a map is then chosen for the noise of the whole, and its bias shrinks with it. The least work is a
-/// camera path per pixel and replicate, and few photons: these are more by themselves until they match the camera
-/// paths, and with them from there.
+/// the smoothing of a map is then chosen for the noise of the whole, and its bias shrinks with it, where added
+/// replicates would keep a kernel for more noise. The least work is a camera path per pixel and replicate, and few
+/// photons: these are more by themselves until they match the camera paths, since each of those reads the smoothed map,
+/// whose noise is most of the error; and with them from there.
 ///
 /// # Errors
 /// `Unsuited` where the method does not suit the scene; as [`Devices::load`] and [`render_on`].
