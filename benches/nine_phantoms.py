@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the inclusions of the paper's nine phantoms add to the middle of the camera's image (README, "Measured").
+"""What the inclusions of the paper's nine phantoms add to the middle of the camera's image (docs/MEASURED.md).
 
     cargo build --release && python3 benches/nine_phantoms.py
 

@@ -100,6 +100,9 @@ impl Subject<'_> {
     /// The reference, and why it is a reference, in words.
     ///
     /// Methods without bias where they suit; otherwise a map of finer texels.
+    ///
+    /// # Errors
+    /// [`LightError::Surface`]: as [`model_of`].
     pub fn reference(&self) -> Result<(Choice, String), LightError> {
         let model = self.model(&self.default())?;
         let kernel = Kernel::of(&model);
@@ -124,6 +127,9 @@ impl Subject<'_> {
     }
 
     /// All rungs.
+    ///
+    /// # Errors
+    /// As [`Self::reference`]; [`TraceError::Unsuited`] where the scene's own method does not suit it.
     pub fn choices(&self) -> Result<Vec<Choice>, LightError> {
         let default = self.default();
         let kernel = Kernel::of(&self.model(&default)?);
@@ -219,12 +225,18 @@ impl Subject<'_> {
     }
 
     /// Renders the reference.
+    ///
+    /// # Errors
+    /// As [`model_of`] and [`render()`].
     pub fn render_reference(&self, choice: &Choice, observe: &mut Observer) -> Result<Film, LightError> {
         Ok(self.render(choice, Role::Reference, observe)?.film)
     }
 
     /// Renders a rung, each time with random numbers of its own, and compares it: over the lit pixels, and where tissue
     /// touches over the softly lit ones too. Empty where the reference is dark.
+    ///
+    /// # Errors
+    /// As [`Self::render_reference`]; [`LightError::Size`] where the reference has another number of pixels.
     pub fn measure(&self, choice: &Choice, reference: &Film, observe: &mut Observer) -> Result<Vec<Rung>, LightError> {
         let mut parts = vec![("radiance", "", is_lit(reference))];
         if self.loaded.scene.touch.contact.is_some() {

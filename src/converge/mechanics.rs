@@ -115,6 +115,10 @@ fn divided(depths: &[f64], count: usize) -> Vec<f64> {
 }
 
 /// Presses once, without an estimate of the error. A press that stops early keeps the loads that it reached.
+///
+/// # Errors
+/// As [`press`]; `Stopped` only where `observe` says so, since other loads that are not reached are told in what is
+/// found.
 pub fn run(setup: &Setup, observe: &mut Observer) -> Result<Found, PressError> {
     let (pressed, stopped) = match press(setup, PressSettings::default(), observe) {
         Ok(pressed) => (pressed, None),

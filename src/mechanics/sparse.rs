@@ -1,4 +1,5 @@
-//! Symmetric positive definite sparse systems: one symbolic factorisation, many numeric ones (faer).
+//! Symmetric sparse systems as L D L^T: one symbolic factorisation, many numeric ones (faer). Newton's tangents may be
+//! indefinite on the way to a balance (docs/decisions/factorisation.md).
 //!
 //! Unknowns come by nodes, and every node couples with whole nodes: the pattern is gathered, ordered and addressed by
 //! nodes, and only spelled out by unknowns for the factorisation.

@@ -28,6 +28,10 @@ pub struct PressureSample {
 /// Linear thick spheres b = 2a under inner pressure at some Poisson's ratios, with `2 rung` elements across.
 ///
 /// u(r) = p a^3/(E (b^3 - a^3)) ((1 - 2 nu) r + (1 + nu) b^3/(2 r^2)); the mean stress is p a^3/(b^3 - a^3) all over.
+///
+/// # Errors
+/// `Mesh` for a rung of 0 or one of too many elements, `Material` for a ratio outside 0 to 0.5, `Path` where no balance
+/// is found.
 pub fn pressure_errors(rung: usize, ratios: &[f64]) -> Result<Vec<PressureSample>, StabilityError> {
     ratios.iter().map(|&poisson| sphere(rung, poisson)).collect()
 }

@@ -19,6 +19,9 @@ pub const FAR: f64 = 20.0;
 const POISSON: f64 = 0.3;
 
 /// Contrasts from 1e-6 to 1e6.
+///
+/// # Errors
+/// `Path` where a sphere finds no balance, `Missing` where an element turns inside out.
 pub fn rows(context: &Context) -> Result<Vec<Row>, StabilityError> {
     let rung = if context.quick { 1 } else { 2 };
     let far = "the boundary at 20 radii, and the mesh";

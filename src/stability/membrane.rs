@@ -16,6 +16,9 @@ pub const SHEAR: f64 = 0.375;
 pub const DEFLECTION: f64 = 16.4326;
 
 /// Deflection of the loaded edge's middle, mm, on `divisions` (even) elements along each side.
+///
+/// # Errors
+/// `Mesh` for no divisions or too many, `Path` where no balance is found.
 pub fn deflection(divisions: usize) -> Result<f64, StabilityError> {
     let mesh = shapes::cook(divisions)?;
     let poisson = LAMBDA / (2.0 * (LAMBDA + SHEAR));

@@ -85,6 +85,9 @@ fn run_of(setup: &Setup) -> Result<Run, StabilityError> {
 }
 
 /// All extreme presses.
+///
+/// # Errors
+/// `Press` where a press that must come to its load does not. Those that must be refused are no error.
 pub fn rows(context: &Context) -> Result<Vec<Row>, StabilityError> {
     let mut rows = Vec::new();
     towards_incompressible(context, &mut rows)?;

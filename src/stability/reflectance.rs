@@ -42,6 +42,9 @@ impl Sample {
 }
 
 /// Reflectances at angles about the critical one, `offsets` rad away.
+///
+/// # Errors
+/// As [`Tracer::reflectances`].
 pub fn about_critical(tracer: &Tracer, step: [f64; 2], offsets: &[f64]) -> Result<Vec<Sample>, StabilityError> {
     let critical = (step[1] / step[0]).asin();
     let inside = |off: &&f64| (0.0..std::f64::consts::FRAC_PI_2).contains(&(critical + **off));

@@ -20,6 +20,9 @@ pub struct HardScene {
 }
 
 /// What the tracers see of a scene, by a camera of a few pixels.
+///
+/// # Errors
+/// `Surface`, as [`model_of`]: a scene that presses, a shape that does not fit its stack, a file that cannot be used.
 pub fn model(loaded: &LoadedScene) -> Result<Model<f64>, StabilityError> {
     let mut loaded = loaded.clone();
     loaded.scene.camera.pixels = PIXELS;
@@ -43,6 +46,9 @@ fn pressed(name: &str) -> Result<Model<f64>, StabilityError> {
 }
 
 /// A flat stack with mirrors all round and without LEDs.
+///
+/// # Errors
+/// As [`model`], of what `change` makes of the scene.
 pub fn cavity(change: impl FnOnce(&mut Scene)) -> Result<Model<f64>, StabilityError> {
     let mut model = variant("flat-bonded", |scene| {
         scene.stack.walls = Walls::Mirror { reflectance: 1.0 };
@@ -54,6 +60,9 @@ pub fn cavity(change: impl FnOnce(&mut Scene)) -> Result<Model<f64>, StabilityEr
 
 /// The same with a dent so shallow that all light stays guided, as a height field: normals are looked up, and
 /// reflections are those of any slope.
+///
+/// # Errors
+/// `Surface` for a dent that reaches through the layer.
 pub fn dented_cavity(depth_mm: f64) -> Result<Model<f64>, StabilityError> {
     cavity(|scene| {
         scene.touch.shape = Shape::GaussianDent { depth_mm, sigma_mm: 2.0, center_mm: [0.0, 0.0] };
@@ -80,6 +89,10 @@ pub const THIN: [[f64; 2]; 6] =
 
 /// The presets without a press, one with (the others differ in their inclusions), and what they leave out: height
 /// fields, a mesh, mirrors, a lens, contact on a deformed face, thin layers.
+///
+/// # Errors
+/// As [`model`]; `Press` where the pressed phantom does not come to its load, `File` where no temporary folder can be
+/// written.
 pub fn hard_scenes(quick: bool) -> Result<Vec<HardScene>, StabilityError> {
     let mut scenes = Vec::new();
     let mut add = |name: &str, model: Model<f64>| scenes.push(HardScene { name: name.into(), model });

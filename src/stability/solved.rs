@@ -7,6 +7,9 @@ use crate::mechanics::path::follow;
 use crate::mechanics::problem::{Problem, State, Support};
 
 /// Brings a problem to its whole load, by way of `loads`.
+///
+/// # Errors
+/// `Path` where a load is not reached, however short the steps.
 pub fn solve(problem: &Problem, loads: &[f64]) -> Result<State, StabilityError> {
     Ok(follow(&mut Solver::new(problem, Method::Direct), problem.start(), &mut None, loads, &mut |_| true)?)
 }

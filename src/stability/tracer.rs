@@ -95,6 +95,9 @@ impl Tracer {
     }
 
     /// The tracer with a scene loaded.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`] and [`GpuTracer::on`]; the twin has none.
     pub fn open(&self, model: &Model<f64>) -> Result<Backend, TraceError> {
         Ok(match *self {
             Self::Gpu { edit, limits } => edited(edit, model)?.with_limits(limits).into(),
@@ -103,6 +106,9 @@ impl Tracer {
     }
 
     /// Follows rays without roulette and without a cap.
+    ///
+    /// # Errors
+    /// As [`Self::open`]; `Driver` where the changed WGSL is refused, `DeviceLost`. The twin has none.
     pub fn follow(&self, model: &Model<f64>, starts: &[Start]) -> Result<Vec<Finish>, TraceError> {
         match *self {
             Self::Gpu { edit, limits } => {
@@ -115,6 +121,9 @@ impl Tracer {
     }
 
     /// Reflectances at [a, n_t^2 - n_i^2, n_i^2]; `model` is any scene.
+    ///
+    /// # Errors
+    /// As [`Self::follow`].
     pub fn reflectances(&self, model: &Model<f64>, at: &[[f32; 3]]) -> Result<Vec<f32>, TraceError> {
         match *self {
             Self::Gpu { edit, limits } => {

@@ -58,6 +58,9 @@ pub struct DriftSample {
 }
 
 /// Drift of |p|/n against bounces, to `most` bounces.
+///
+/// # Errors
+/// As [`Tracer::follow`].
 pub fn drift_curve(tracer: &Tracer, most: u32) -> Result<Vec<DriftSample>, StabilityError> {
     let mut counts: Vec<u32> = (0..=24).map(|k| f64::from(most).powf(f64::from(k) / 24.0).round() as u32).collect();
     counts.dedup();

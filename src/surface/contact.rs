@@ -43,6 +43,10 @@ impl ContactLaw {
 }
 
 /// The contact of a scene, or `None` where nothing touches.
+///
+/// # Errors
+/// `Shape` where the pressure is that of a press, which [`pressed_contact`](super::pressed_contact) reads; `File` for a
+/// table or map of pressure that cannot be used.
 pub fn contact_map(loaded: &LoadedScene) -> Result<Option<ContactMap>, SurfaceError> {
     let Some(contact) = &loaded.scene.touch.contact else {
         return Ok(None);

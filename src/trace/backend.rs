@@ -1,4 +1,7 @@
 //! The two backends behind one face: chunks of camera paths and of photons.
+//!
+//! On a GPU each of the two has a device of its own. They share nothing, so the surface is held twice, and llvmpipe,
+//! which compiles in a device's queue, compiles both kernels at once (docs/decisions/two-devices.md).
 
 use super::cpu::{self, Limits, book, camera::View, photons::Deposits};
 use super::finite;
@@ -168,7 +171,7 @@ impl Fates {
 #[derive(Clone)]
 pub struct Devices {
     precision: Precision,
-    /// One for camera paths, one for photons: llvmpipe compiles in a device's queue, so two compile two kernels at once.
+    /// One for camera paths, one for photons.
     gpus: Option<[Arc<Gpu>; 2]>,
     notice: Option<String>,
 }
@@ -177,7 +180,8 @@ impl Devices {
     /// Opens what is asked for. f64 is computed by the built-in tracer alone.
     ///
     /// # Errors
-    /// `NoAdapter` where a GPU is asked for and none is there, `Unsuited` where one is asked for f64; what a driver says.
+    /// `NoAdapter` where a GPU is asked for and none is there, `Unsuited` where one is asked for f64; what a driver
+    /// says.
     pub fn open(choice: BackendChoice, precision: Precision) -> Result<Self, TraceError> {
         let cpu = Self::cpu(precision);
         let gpus = || {
@@ -277,6 +281,9 @@ impl Backend {
     }
 
     /// Builds the kernels of a method, so that they do not count as run time.
+    ///
+    /// # Errors
+    /// As [`GpuTracer::prepare`]; the CPU has none.
     pub fn prepare(&mut self, method: Method) -> Result<(), TraceError> {
         let Self::Gpu { camera, photons } = self else {
             return Ok(());
@@ -293,6 +300,9 @@ impl Backend {
     }
 
     /// Empties the film of camera paths.
+    ///
+    /// # Errors
+    /// None: a device's trouble shows at the next call.
     pub fn clear_film(&mut self) -> Result<(), TraceError> {
         match self {
             Self::Gpu { camera, .. } => camera.clear_film(),
@@ -303,6 +313,9 @@ impl Backend {
     }
 
     /// Traces `samples` paths, from `first_sample` on, for `pixels` pixels from `first_pixel` on.
+    ///
+    /// # Errors
+    /// As [`GpuTracer::camera`]; the CPU has none.
     pub fn camera(
         &mut self,
         mode: CameraMode,
@@ -319,6 +332,9 @@ impl Backend {
     }
 
     /// Sums of the film in units of 2^-48, and what became of the paths since it was emptied.
+    ///
+    /// # Errors
+    /// As [`Gpu::read`]; `CutShort` where the driver ended paths before their time. The CPU has none.
     pub fn read_film(&mut self) -> Result<(Vec<u64>, Fates), TraceError> {
         Ok(match self {
             Self::Gpu { camera, .. } => camera.read_film()?,
@@ -328,6 +344,9 @@ impl Backend {
     }
 
     /// Loads the exitance map that mapped camera paths read: deposit and area for true contact and for the gap.
+    ///
+    /// # Errors
+    /// As [`Gpu::upload`]; the CPU has none.
     pub fn set_exitance(&mut self, texels: &[[f64; 4]]) -> Result<(), TraceError> {
         match self {
             Self::Gpu { camera, .. } => camera.set_exitance(texels)?,
@@ -338,6 +357,9 @@ impl Backend {
     }
 
     /// Empties deposits and ledger.
+    ///
+    /// # Errors
+    /// `Memory` for more deposits than the device allows; else as [`Gpu::submit`]. The CPU has none.
     pub fn clear_photons(&mut self, mode: PhotonMode) -> Result<(), TraceError> {
         match self {
             Self::Gpu { camera, photons } => photons.as_mut().unwrap_or(camera).clear_photons(mode)?,
@@ -348,6 +370,9 @@ impl Backend {
     }
 
     /// Sends `samples` photons, from `first_sample` on, from each of `threads` threads.
+    ///
+    /// # Errors
+    /// As [`GpuTracer::photons`]; the CPU has none.
     pub fn photons(&mut self, mode: PhotonMode, seed: u32, threads: u32, samples: [u32; 2]) -> Result<(), TraceError> {
         match self {
             Self::Gpu { camera, photons } => {
@@ -360,6 +385,9 @@ impl Backend {
     }
 
     /// Ledger in its units, and deposits in units of 2^-32.
+    ///
+    /// # Errors
+    /// As [`Self::read_film`].
     pub fn read_photons(&mut self, mode: PhotonMode) -> Result<([i64; book::SLOTS], Vec<u64>), TraceError> {
         Ok(match self {
             Self::Gpu { camera, photons } => photons.as_mut().unwrap_or(camera).read_photons(mode)?,

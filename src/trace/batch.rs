@@ -149,6 +149,9 @@ pub struct Batch<'a> {
 
 impl Batch<'_> {
     /// Computes replicate `index`: radiance in W/(m^2 sr), row-major.
+    ///
+    /// # Errors
+    /// What the backend says; `Overflow` where sums of light are full, `Stopped` where `observe` says so.
     pub fn replicate(&mut self, index: u32, work: Work, observe: &mut Observer) -> Result<Vec<f64>, TraceError> {
         match self.method {
             Method::Path => self.camera(CameraMode::Path, index, work.spp, observe),
@@ -169,6 +172,9 @@ impl Batch<'_> {
     }
 
     /// Light that the photons of replicate `index` leave at the touched face.
+    ///
+    /// # Errors
+    /// As [`Self::replicate`].
     pub fn contact_light(
         &mut self,
         index: u32,
@@ -186,6 +192,9 @@ impl Batch<'_> {
     }
 
     /// Replicate `index` of the image, from a map: radiance in W/(m^2 sr), row-major.
+    ///
+    /// # Errors
+    /// As [`Self::replicate`].
     pub fn mapped(
         &mut self,
         index: u32,
@@ -206,6 +215,9 @@ impl Batch<'_> {
     }
 
     /// Sends photons for the ledger alone.
+    ///
+    /// # Errors
+    /// As [`Self::replicate`].
     pub fn ledger(&mut self, photons: u64, observe: &mut Observer) -> Result<(), TraceError> {
         self.photons(PhotonMode::Ledger, u32::MAX, photons, observe).map(|_| ())
     }

@@ -1,7 +1,12 @@
 //! The map of light that photons leave at the touched face, and its smoothing.
 //!
+//! Gathered is, for true contact and for the air gap apart, the flux that would enter the tissue if contact were full;
+//! the share of contact is applied where the map is read, so that sharp edges of contact stay sharp. Where tissue is a
+//! half space (docs/PHYSICS.md, 6), it is instead what the light that enters sends towards two directions, from which
+//! `scatter.rs` tells all others.
+//!
 //! A texel of a few photons is noisy; the light on the face is smooth. So each map is smoothed by a kernel whose bias
-//! is small against its noise, both measured on the maps of the replicates.
+//! is small against its noise, both measured on the maps of the replicates (docs/decisions/smoothing.md).
 
 use super::cpu::photons::DEPOSIT_UNIT;
 use super::cpu::{Limits, Path};

@@ -47,6 +47,9 @@ struct Laden {
 
 /// Renders `model` with and without each piece that it leaves out, `rounds` times in turn; with them by `other_seed`,
 /// since equal noise would hide differences. `observe` as for [`render()`].
+///
+/// # Errors
+/// As [`render()`].
 pub fn gains(
     devices: &Devices,
     model: &Model<f64>,

@@ -1,4 +1,9 @@
 //! LEDs as the tracers see them.
+//!
+//! Where the stack is flat and smooth and its walls are black, paths run straight when seen from above. Photons of a
+//! map or a splat then start only between the directions that may meet the tissue (seen from above, the sine of the
+//! angle of Lambertian light is uniform), and end where they can meet it no more. The ledger gets photons of its own
+//! (docs/decisions/launch.md).
 
 use super::model::Real;
 use crate::scene::{self, IesTable, LoadedScene, Mount, Pattern, Wall, read_ies};

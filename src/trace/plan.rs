@@ -46,6 +46,10 @@ pub struct Plan {
 
 impl Plan {
     /// Chooses the method for a scene, or checks that the one asked for suits it.
+    ///
+    /// # Errors
+    /// `Unsuited`: `map` and `splat` where no tissue touches; `splat` where interfaces are deformed or rough, or the
+    /// camera has a lens.
     pub fn choose(asked: Integrator, kernel: &Kernel) -> Result<Self, TraceError> {
         let plan = |method, why| Ok(Self { method, why });
         let unsuited = |why: &str| Err(TraceError::Unsuited(why.into()));

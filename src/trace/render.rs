@@ -1,4 +1,8 @@
 //! From a model to a film with its error, its ledger and what it cost.
+//!
+//! An image is the mean of at least [`REPLICATES`] replicates, each with its own seed (and its own photons). The
+//! variance of the mean comes from their spread, for pixels and for blocks of pixels, because neighbours share photons.
+//! Within a replicate sums are 64-bit fixed point, so they do not depend on the order of the work.
 
 use super::backend::{Backend, Devices, TraceError};
 use super::batch::{Batch, Pacer, Times, Totals, Work};
@@ -145,9 +149,13 @@ fn blotches(method: Method, film: &Film) -> Option<String> {
 /// from 0 to 1 by itself.
 ///
 /// For an asked error it renders with the least work first, and from what that leaves anew with as much as it takes:
-/// the smoothing of a map is then chosen for the noise of the whole, and its bias shrinks with it. The least work is a
-/// camera path per pixel and replicate, and few photons: these are more by themselves until they match the camera
-/// paths, and with them from there.
+/// the smoothing of a map is then chosen for the noise of the whole, and its bias shrinks with it, where added
+/// replicates would keep a kernel for more noise. The least work is a camera path per pixel and replicate, and few
+/// photons: these are more by themselves until they match the camera paths, since each of those reads the smoothed map,
+/// whose noise is most of the error; and with them from there.
+///
+/// # Errors
+/// `Unsuited` where the method does not suit the scene; as [`Devices::load`] and [`render_on`].
 pub fn render(
     devices: &Devices,
     model: &Model<f64>,
@@ -211,6 +219,10 @@ fn once(
 
 /// Renders on a backend that holds the model already: one device for many seeds. Work is that of the settings, or for
 /// their seconds; an asked error plays no part.
+///
+/// # Errors
+/// `Unsuited` as for [`render`], what the backend says, `Stopped` where `observe` says so; `Overflow` where sums of
+/// light are full, else as [`accepted`].
 pub fn render_on(
     backend: &mut Backend,
     model: &Model<f64>,
@@ -338,6 +350,10 @@ pub fn render_on(
 }
 
 /// The ledger, unless too much light is missing from the image: lost, or cut off by the cap on interactions.
+///
+/// # Errors
+/// `Lost` where more than one of the photons or of the camera paths, and 1e-6 of them, were lost; `Truncated` where the
+/// cap on interactions cut off more than 1e-4 of the light or of the paths' weight.
 pub fn accepted(totals: &Totals) -> Result<Ledger, TraceError> {
     let counts = [("photons", totals.lost(), totals.photons), ("camera paths", totals.fates.lost, totals.paths)];
     for (what, lost, sent) in counts {

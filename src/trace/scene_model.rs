@@ -10,6 +10,10 @@ use std::f64::consts::PI;
 
 impl Model<f64> {
     /// Builds the model of a validated scene.
+    ///
+    /// # Errors
+    /// `File` for an IES pattern that cannot be used, or is dark along its normal where its radiance there is given;
+    /// `Shape` where the brightest LED is too dark or too bright for the images (1e-9 to 1e12 W/(m^2 sr)).
     pub fn new(loaded: &LoadedScene, surface: &Surface, contact: Option<ContactMap>) -> Result<Self, SurfaceError> {
         let scene = &loaded.scene;
         let n_0 = scene.stack.surround_n;

@@ -5,7 +5,7 @@
 //! chance rho. So the exitance B towards the boundary is that of B = a p * (Phi + rho B) where there is tissue, * the
 //! convolution, Phi what enters. Where tissue is a half space, Phi and B are two numbers, what leaves towards the map's
 //! two directions (`scatter.rs`): a is in Phi and in rho, which then mixes both. Photons could draw each such step; the
-//! convolution, by Fourier transforms, adds no noise and takes most of what Phi has.
+//! convolution, by Fourier transforms, adds no noise and takes most of what Phi has (docs/decisions/spreading.md).
 
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};

@@ -2,7 +2,10 @@
 //!
 //! All are structured by blocks: a tensor grid of graded lines; around each inclusion a box of it is replaced by an
 //! O-grid whose edges carry the inclusion's surface, the nodes between corners on the surface itself. Departure from
-//! the field's habit: no free mesher, because blocks of bricks converge faster, are graded at will, and nest.
+//! the field's habit: no free mesher, because blocks of bricks converge faster, are graded at will, and nest. One
+//! family of elements then serves all settings. The price is that lines run through the whole body. In three
+//! dimensions, inclusions whose boxes collide, or cross the contact's circle, are fitted into the grid instead (`fit`,
+//! docs/decisions/meshes.md).
 
 mod boxes;
 mod builder;

@@ -1,4 +1,13 @@
 //! Newton's method over displacement, pressure and contact traction.
+//!
+//! Everything that it cannot solve at once is treated the same way: a stiff but finite stand-in in the tangent, the
+//! exact equation in the residual. So pressure at the incompressible limit, bonds and contact leave one symmetric
+//! matrix of displacements, one symbolic factorisation serves all steps, and the answer does not depend on the
+//! stand-ins.
+//!
+//! The linear systems are factorised, or solved by Krylov's method with multigrid ([`Method`]): displacements,
+//! pressures and tractions together, so that incompressibility does not stiffen the block that multigrid takes, and
+//! contact only as far as it bears (docs/decisions/multigrid.md).
 
 mod damping;
 mod iterative;

@@ -1,4 +1,7 @@
 //! What a touched node does: bonded, free, sticking or slipping.
+//!
+//! Contact decides by a spring as stiff as the body, and holds by one [`SPRING`](crate::mechanics::contact::SPRING)
+//! times stiffer; with one for both, nodes let go at each curved step (docs/decisions/two-springs.md).
 
 use crate::mechanics::contact::{Bending, Grip, NodeGap};
 use crate::mechanics::problem::Traction;

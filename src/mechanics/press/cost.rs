@@ -1,4 +1,4 @@
-//! What a press takes, known before it is done.
+//! What a press takes, known before it is done: by it the method is chosen, and what does not fit into memory refused.
 
 use super::{Assembly, Load, PressError, Setup};
 use crate::mechanics::kinematics::Kinematics;

@@ -1,6 +1,15 @@
 //! The press of a phantom against the sensor: from a description to forces, pressures and displacements.
 //!
-//! The phantom's base moves towards the sensor, whose glass stands still; the load factor is that motion in mm.
+//! The phantom's base moves towards the sensor, whose glass stands still. The load factor is that motion in mm, or the
+//! length of the path where the base is led in steps: at each of these the solver turns the motion of what is held.
+//!
+//! `setup.rs` describes what is pressed against what; `assembly.rs` meshes it and makes a
+//! [`Problem`](super::problem::Problem) (one mesh with regions, supports, contacts); [`newton`](super::newton) finds
+//! the [`State`](super::problem::State) at a load; [`path`](super::path) follows the loads; `run.rs` reads forces and
+//! pressures. [`solid`](super::solid) is one element, [`contact`](super::contact) one pair of faces.
+//!
+//! A press starts at each depth from what another one found there, if there is one: that on a coarser mesh, which also
+//! estimates the error, or one of a phantom much like it (`carry.rs`).
 
 pub mod assembly;
 mod carry;

@@ -1,4 +1,7 @@
 //! Twin of `camera.wgsl`: camera paths.
+//!
+//! Where a map is read a path's light is found, but what the face reflects may still show an LED. A fifth of the paths
+//! go on as reflected, with the weight that takes (docs/decisions/camera-paths.md).
 
 use super::fresnel::fresnel;
 use super::vec3::v3;

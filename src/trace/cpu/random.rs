@@ -1,4 +1,5 @@
-//! Twin of `random.wgsl`: counter-based random numbers, equal bit for bit.
+//! Twin of `random.wgsl`: counter-based random numbers, equal bit for bit; launches are even, on a lattice whose
+//! generators matter (docs/decisions/launch.md).
 
 use super::Path;
 use crate::trace::model::Real;

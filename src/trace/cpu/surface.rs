@@ -1,4 +1,8 @@
 //! Twin of `surface_*.wgsl`: crossings, normals and heights of deformed interfaces.
+//!
+//! Height fields are of two kinds: cubics over the distance to an axis (round dents, axisymmetric presses) and bicubic
+//! splines over the plane (all others). One search serves both, by steps that a bound on the field's bending proves
+//! safe, one bound for each field (docs/decisions/height-fields.md).
 
 use super::Path;
 use super::vec3::{V3, v3};

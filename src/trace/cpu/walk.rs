@@ -1,4 +1,10 @@
 //! Twin of `walk.wgsl`: from event to event through the stack.
+//!
+//! Nothing shines below or above the stack. So camera paths that end at tissue, or meet none, never leave it by chance:
+//! they carry what the outer faces mirror as a weight and stop by roulette below 0.01 (0.003 before tissue). A path
+//! that leaves a dent may come back in, unless it rises faster than the face does where it is steepest; where it may,
+//! half of the paths leave, with the weight that this takes. Paths that go on into tissue draw at every face
+//! (docs/decisions/camera-paths.md; docs/decisions/walk.md has what was tried and dropped).
 
 use super::fresnel::fresnel;
 use super::surface::far;

@@ -9,7 +9,10 @@
 //! | `tissue_lambertian` or `tissue_half_space` | how tissue that touches is given |
 //! | `record_none` or `record` | event histories are wanted (tests) |
 //!
-//! Everything smaller is an override constant, folded when the pipeline is built.
+//! Everything smaller is an override constant, folded when the pipeline is built. The numbers of the scene are read
+//! from a buffer, so that scenes of one make share their kernels (docs/decisions/kernels.md). `inspect` lists what is
+//! in and what is left out; `inspect --gains` (`gains.rs`) measures what that is worth, by kernels that carry pieces to
+//! spare.
 
 use super::layout::{self, Numbers, Wgsl as _};
 use crate::trace::backend::{CameraMode, PhotonMode};

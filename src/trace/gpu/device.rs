@@ -45,7 +45,10 @@ enum Trouble {
 }
 
 impl Gpu {
-    /// Opens the fastest adapter. `NoAdapter` where there is none.
+    /// Opens the fastest adapter.
+    ///
+    /// # Errors
+    /// `NoAdapter` where there is none, `Driver` where it opens no device.
     pub fn open() -> Result<Self, TraceError> {
         pollster::block_on(async {
             let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
@@ -87,6 +90,9 @@ impl Gpu {
     }
 
     /// What went wrong, if anything did.
+    ///
+    /// # Errors
+    /// `DeviceLost` once the device is lost, `Driver` once something was refused: at every call from then on.
     pub fn check(&self) -> Result<(), TraceError> {
         match held(&self.trouble).as_ref() {
             None => Ok(()),
@@ -96,6 +102,9 @@ impl Gpu {
     }
 
     /// The kernel of a text, and whether it was made just now.
+    ///
+    /// # Errors
+    /// As [`Self::check`]; `Driver` where the WGSL, its constants or its bindings are refused.
     pub fn kernel(
         &self,
         text: KernelText,
@@ -153,6 +162,9 @@ impl Gpu {
     }
 
     /// Submits commands and waits for them.
+    ///
+    /// # Errors
+    /// As [`Self::check`], before and after.
     pub fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<(), TraceError> {
         self.check()?;
         self.queue.submit([encoder.finish()]);
@@ -160,6 +172,9 @@ impl Gpu {
     }
 
     /// Waits for everything submitted.
+    ///
+    /// # Errors
+    /// As [`Self::check`]; `DeviceLost` where the device cannot be waited for.
     pub fn wait(&self) -> Result<(), TraceError> {
         self.check()?;
         self.device
@@ -168,7 +183,10 @@ impl Gpu {
         self.check()
     }
 
-    /// A buffer of at least 16 bytes; an error where the device does not allow its size.
+    /// A buffer of at least 16 bytes.
+    ///
+    /// # Errors
+    /// `Memory` where the device does not allow the size, or has no room for it (it then allows 0).
     pub fn buffer(
         &self,
         what: &'static str,
@@ -198,6 +216,9 @@ impl Gpu {
     }
 
     /// A buffer with contents.
+    ///
+    /// # Errors
+    /// As [`Self::buffer`] and [`Self::check`].
     pub fn upload(
         &self,
         what: &'static str,
@@ -211,6 +232,9 @@ impl Gpu {
     }
 
     /// Contents of a storage buffer as words.
+    ///
+    /// # Errors
+    /// As [`Self::buffer`], of the copy that is read, and [`Self::wait`]; `DeviceLost` where the copy cannot be read.
     pub fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u32>, TraceError> {
         let staging = self.buffer("read-back", buffer.size(), wgpu::BufferUsages::MAP_READ)?;
         let mut encoder = self.device.create_command_encoder(&Default::default());

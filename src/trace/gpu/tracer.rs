@@ -49,11 +49,17 @@ pub struct GpuTracer {
 
 impl GpuTracer {
     /// Opens a device and loads a model.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`] and [`Self::on`].
     pub fn new(model: &Model<f64>) -> Result<Self, TraceError> {
         Self::on(Gpu::open()?, model)
     }
 
     /// Loads a model on an open device.
+    ///
+    /// # Errors
+    /// `NotFinite` for a number of the model that is not finite in f32; as [`Gpu::upload`].
     pub fn on(gpu: impl Into<Arc<Gpu>>, model: &Model<f64>) -> Result<Self, TraceError> {
         let gpu = gpu.into();
         let model: Model<f32> = model.cast();
@@ -87,6 +93,9 @@ impl GpuTracer {
     }
 
     /// Loads a model, and changes the kernels' WGSL before it is compiled: to inject faults that tests must find.
+    ///
+    /// # Errors
+    /// As [`Self::on`]. What the change breaks shows where kernels are built.
     pub fn with_source(gpu: impl Into<Arc<Gpu>>, model: &Model<f64>, edit: SourceEdit) -> Result<Self, TraceError> {
         Ok(Self { edit: Some(edit), ..Self::on(gpu, model)? })
     }
@@ -109,6 +118,9 @@ impl GpuTracer {
     }
 
     /// Keeps event histories of the paths of each following chunk: 64 words a path, the first their number.
+    ///
+    /// # Errors
+    /// `Memory` where the device does not hold so many.
     pub fn record_events(&mut self, paths: u32) -> Result<(), TraceError> {
         let bytes = 4 * 64 * u64::from(paths);
         self.events = Some(self.gpu.buffer("events", bytes, Usage::STORAGE | Usage::COPY_SRC)?);
@@ -117,6 +129,9 @@ impl GpuTracer {
     }
 
     /// Event histories of the last chunk.
+    ///
+    /// # Errors
+    /// As [`Gpu::read`].
     pub fn read_events(&self) -> Result<Vec<u32>, TraceError> {
         self.events.as_ref().map_or(Ok(Vec::new()), |e| self.gpu.read(e))
     }
@@ -127,6 +142,9 @@ impl GpuTracer {
     }
 
     /// Builds the pipeline of an entry point, so that it does not count as run time.
+    ///
+    /// # Errors
+    /// As [`Gpu::upload`], [`Gpu::kernel`] and [`Gpu::submit`].
     pub fn prepare(&mut self, entry: Entry) -> Result<(), TraceError> {
         if self.pipelines.contains_key(&entry) {
             return Ok(());
@@ -222,6 +240,9 @@ impl GpuTracer {
     }
 
     /// Traces a chunk of camera paths.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`].
     pub fn camera(
         &mut self,
         mode: CameraMode,
@@ -268,6 +289,9 @@ impl GpuTracer {
     }
 
     /// Sends a chunk of photons.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`].
     pub fn photons(
         &mut self,
         mode: PhotonMode,
@@ -287,6 +311,9 @@ impl GpuTracer {
 
     /// Sends the rays that lie in the LEDs' tables through the probe; [`Self::record_events`] makes room for what they
     /// come to.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`].
     pub fn probe(&mut self, seed: u32, rays: u32) -> Result<(), TraceError> {
         self.prepare(Entry::Probe)?;
         self.dispatch(Entry::Probe, layout::Run::of(seed, [0, rays], [0, 1]), rays)

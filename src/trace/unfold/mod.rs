@@ -10,9 +10,11 @@
 //! ```
 //!
 //! for radiance L, angle psi to the LED's normal seen from above, and T of all interfaces and layers on the way. That
-//! is summed over m and over places on the LEDs, which are shifted at random from replicate to replicate: what the sum
-//! over places leaves is noise, not bias. Light that inner interfaces reflect, that tissue sends back or that was
-//! reflected more often is left to the photons.
+//! is summed over m and over 64 places on each LED, which are shifted at random from replicate to replicate: what the
+//! sum over places leaves is noise, not bias. It is summed at points of the face, with cubics between them, as near to
+//! each other as the radius of an LED, its distance and the thickness of the stack ask for. Photons that met outer
+//! faces alone, fewer times than the sum reaches, then leave nothing in the map. Light that inner interfaces reflect,
+//! that tissue sends back or that was reflected more often is left to them (docs/decisions/unfolding.md).
 
 mod site;
 #[cfg(test)]
