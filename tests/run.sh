@@ -83,10 +83,11 @@ esac
 export TIRTOUCH_REQUIRE_GPU=1
 # Mesa's device selection would write a warning on standard error, which some tests read.
 export NODEVICE_SELECT=1
-# More tests at once than cores: one that waits for a driver's compiler, which uses one core, leaves the others to the
-# rest, and on a busy machine the suite gets its share.
+# More tests at once than cores, and more threads in each: one that waits for a driver's compiler, which uses one core,
+# leaves the others to the rest, and a busy machine gives each thread its share.
 cores="$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)"
 export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$((cores + 4))}"
+export RAYON_NUM_THREADS="${RAYON_NUM_THREADS:-$RUST_TEST_THREADS}" LP_NUM_THREADS="${LP_NUM_THREADS:-$RUST_TEST_THREADS}"
 
 run() {
     say "$*"
