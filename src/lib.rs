@@ -26,6 +26,7 @@ pub mod camera;
 pub mod cli;
 pub mod converge;
 pub mod estimate;
+pub mod figure;
 pub mod film;
 pub mod image_io;
 pub mod mechanics;

@@ -6,6 +6,7 @@ use crate::estimate::CalibrationError;
 use crate::film::compare::CompareError;
 use crate::image_io::ImageError;
 use crate::mechanics::frames::scan::ScanError;
+use crate::mechanics::press::PressError;
 use crate::report::{PictureError, VtuError};
 use crate::scene::{DataFileError, SceneError};
 use crate::surface::SurfaceError;
@@ -236,6 +237,15 @@ impl From<DataFileError> for Failure {
     fn from(error: DataFileError) -> Self {
         let failure = Self::input(error.to_string()).in_file(&error.file);
         Self { line: error.line, ..failure }
+    }
+}
+
+impl From<PressError> for Failure {
+    fn from(error: PressError) -> Self {
+        match error {
+            PressError::File(file) => file.into(),
+            _ => Self::input(error.to_string()),
+        }
     }
 }
 

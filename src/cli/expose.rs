@@ -3,12 +3,12 @@
 use super::facts::{columns, figure};
 use super::flags::positive;
 use super::job::load_scene;
-use super::shot::{camera_json, note_exposure, write_frame};
+use super::shot::{note_exposure, write_frame};
 use super::{Failure, Outcome, OutputFolder, Talk, note, print};
 use crate::camera::{Frame, Suited, expose};
 use crate::film::Film;
 use crate::image_io::{Provenance, read_radiance};
-use crate::pipeline::view_of;
+use crate::pipeline::{CameraSummary, view_of};
 use crate::report::{ColorScale, Raster, false_color};
 use crate::scene::{LoadedScene, load_alone, validate};
 use clap::Args;
@@ -130,7 +130,7 @@ impl Exposure {
             "seed": self.seed,
             "exposure_ms": sensor.exposure_ms,
             "bit_depth": sensor.bit_depth,
-            "camera": camera_json(&self.frame, self.mm_per_pixel, &self.suited),
+            "camera": CameraSummary::of(&self.frame, self.mm_per_pixel, &self.suited),
         })
     }
 

@@ -1,8 +1,7 @@
 //! The figures of a shot in words, for the terminal and the report.
 
-use super::shot::segments_per_second;
 use crate::film::RADIANCE_UNIT;
-use crate::pipeline::Shot;
+use crate::pipeline::{Shot, segments_per_second};
 
 /// Name and value of what was computed, in reading order.
 pub(super) fn facts(shot: &Shot) -> Vec<(String, String)> {

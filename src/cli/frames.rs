@@ -7,7 +7,8 @@ mod source;
 use super::facts::{columns, figure};
 use super::flags::{finite, not_negative, positive};
 use super::{Failure, Outcome, OutputFolder, Talk, note, print};
-use crate::mechanics::frames::{Feature, Features, Frame, features_csv, frames_csv};
+use crate::figure::Figure;
+use crate::mechanics::frames::{Features, Frame, features_csv, frames_csv};
 use clap::Args;
 use pictures::Pictures;
 use serde_json::{Value, json};
@@ -138,7 +139,7 @@ impl Reading {
             "window_mm": self.window_mm,
             "shown_mm": self.frame().position_mm,
             "features": self.features,
-            "truth": source.truth.json(),
+            "truth": source.truth,
             "mechanics": match &source.computed {
                 Some(computed) => computed.json(),
                 None => json!({"undefined": "the frames are measured"}),
@@ -174,7 +175,7 @@ impl Reading {
 
     /// Least and greatest of each feature.
     fn ranges(&self) -> String {
-        type Pick = fn(&Features) -> &Feature;
+        type Pick = fn(&Features) -> &Figure;
         let picks: [(&str, Pick, &str); 4] = [
             ("peak", |f| &f.peak_kpa, " kPa"),
             ("base", |f| &f.base_kpa, " kPa"),
@@ -197,12 +198,12 @@ fn is_cut(frame: &Frame, noise_kpa: f64) -> bool {
 }
 
 /// To a thousandth: an eccentricity of rounding alone is 0.
-fn rounded(feature: &Feature) -> Feature {
-    feature.value().map_or_else(|| feature.clone(), |value| Feature::known((1e3 * value).round() * 1e-3 + 0.0))
+fn rounded(feature: &Figure) -> Figure {
+    feature.value().map_or_else(|| feature.clone(), |value| Figure::known((1e3 * value).round() * 1e-3 + 0.0))
 }
 
 /// A feature in words.
-fn said(feature: &Feature, unit: &str) -> String {
+fn said(feature: &Figure, unit: &str) -> String {
     match (feature.value(), feature.reason()) {
         (Some(value), _) => format!("{} {unit}", figure(value)),
         (None, reason) => format!("undefined: {}", reason.unwrap_or_default()),

@@ -2,13 +2,13 @@
 
 use super::facts::{columns, figure};
 use super::job::{Job, check_light, load_scene, watched};
-use super::pressing::{method_name, press_cost};
+use super::pressing::press_cost;
 use super::regimes::regimes;
 use super::{Failure, Outcome, Talk, print};
 use crate::mechanics::memory::limit_gib;
 use crate::mechanics::press::Cost;
 use crate::optics::{acceptance_deg, critical_deg};
-use crate::pipeline::{Prepared, view_of};
+use crate::pipeline::{Prepared, method_name, view_of};
 use crate::scene::LoadedScene;
 use crate::streams::{Role, Streams};
 use crate::surface::Surface;

@@ -8,8 +8,9 @@ use super::press_files::PressPictures;
 use super::press_page::press_section;
 use super::regimes::regimes;
 use super::shot::{CameraPictures, Pictures};
-use super::truth::Truth;
+use super::truth::truth_table;
 use crate::estimate::Value;
+use crate::pipeline::Truth;
 use crate::pipeline::{Reading, Shot};
 use crate::report::{Item, Report, Section, Table};
 
@@ -106,7 +107,7 @@ fn estimates(figures: &Reading, reading: &SceneReading, truth: &Truth) -> Sectio
         )),
         Item::from_paper(&figures.paper),
     ];
-    items.extend(truth.table());
+    items.extend(truth_table(truth));
     items.extend(figures.paper.warnings.iter().cloned().map(Item::Warning));
     Section { title: "Estimates".into(), items }
 }

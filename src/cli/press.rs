@@ -4,10 +4,10 @@ use super::facts::columns;
 use super::job::{load_scene, press_scene};
 use super::press_files::write_press;
 use super::press_page::press_report;
-use super::pressing::{PressFailure, press_json, press_rows};
-use super::truth::Truth;
+use super::pressing::{PressFailure, press_rows};
 use super::{Failure, Outcome, OutputFolder, Talk, print};
 use crate::mechanics::press::{PressError, Pressed};
+use crate::pipeline::{PressSummary, Truth};
 use crate::scene::LoadedScene;
 use clap::Args;
 use serde_json::json;
@@ -69,7 +69,7 @@ impl Press {
             folder.write("STOPPED.txt", &format!("{}\nThe files hold the loads before that.\n", failure.message()))?;
         }
         folder.write("report.html", &press_report(loaded, pressed, &truth, &pictures, stopped).to_html())?;
-        let mut result = json!({"scene": name, "truth": truth.json(), "mechanics": press_json(pressed)});
+        let mut result = json!({"scene": name, "truth": truth, "mechanics": PressSummary::of(pressed)});
         if let Some(failure) = stopped {
             result["error"] = failure.json()["error"].take();
         }

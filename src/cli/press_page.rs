@@ -6,8 +6,9 @@ use super::output::command_line;
 use super::page::picture;
 use super::press_files::PressPictures;
 use super::pressing::{load_name, press_rows};
-use super::truth::Truth;
+use super::truth::truth_table;
 use crate::mechanics::press::Pressed;
+use crate::pipeline::Truth;
 use crate::report::{Item, Report, Section, Table};
 use crate::scene::LoadedScene;
 
@@ -24,7 +25,7 @@ pub(super) fn press_report(
     if let Some(failure) = stopped {
         section.items.insert(0, Item::Warning(format!("The press stopped early: {}.", failure.message())));
     }
-    section.items.extend(truth.table());
+    section.items.extend(truth_table(truth));
     let pair = |name: &str, value: String| (name.to_owned(), value);
     let mut facts =
         vec![pair("unknowns", pressed.unknowns.to_string()), pair("iterations", pressed.iterations.to_string())];

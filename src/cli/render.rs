@@ -2,10 +2,10 @@
 
 use super::facts::{columns, facts, ledger};
 use super::job::Job;
-use super::truth::Truth;
 use super::{Common, Failure, Outcome, OutputFolder, print};
+use crate::pipeline::Truth;
 use clap::Args;
-use serde_json::Value;
+use serde_json::json;
 use std::path::PathBuf;
 
 /// Trace the light of a scene: radiance.exr, camera.png and pictures of them.
@@ -27,8 +27,10 @@ impl Render {
         shot.note_exposure(common.talk.quiet);
         let pictures = shot.write(&folder)?;
         let truth = Truth::of(prepared.scene().phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
-        let mut result = Value::Object(shot.json(pictures.files_seconds));
-        result["truth"] = truth.json();
+        let mut summary = shot.summary();
+        summary.stages_seconds.files = pictures.files_seconds;
+        let mut result = json!(summary);
+        result["truth"] = json!(truth);
         let done = folder.commit(Some(&job.loaded.text), result)?;
         if common.talk.json {
             print(&done.json)?;

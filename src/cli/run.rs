@@ -5,12 +5,12 @@ use super::job::Job;
 use super::measure::SceneReading;
 use super::page::report;
 use super::press_files::write_press;
-use super::pressing::{NO_MECHANICS, press_json, press_rows};
-use super::truth::Truth;
+use super::pressing::press_rows;
+use super::truth::truth_rows;
 use super::{Common, Failure, Outcome, OutputFolder, print};
 use crate::estimate::Value as Estimate;
 use crate::mechanics::press::Load;
-use crate::pipeline::{Prepared, Reading, Reference, Shot};
+use crate::pipeline::{NO_MECHANICS, Prepared, Reading, Reference, Shot, Truth};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -77,12 +77,14 @@ pub(super) fn whole_job(
     let truth = Truth::of(scene.phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
     let page = report(&shot, &figures, reading, &truth, &pictures, &seen, press.as_ref());
     folder.write("report.html", &page.to_html())?;
-    let mut result = json(&shot, pictures.files_seconds, &figures, reading, &earlier);
-    result["truth"] = truth.json();
+    let mut summary = shot.run_summary(&figures, reading.reference_name(), truth);
+    summary.shot.stages_seconds.files = pictures.files_seconds;
+    let mut result = json!(summary);
+    result["earlier_frames"] = json!(earlier);
     let done = folder.commit(Some(&job.loaded.text), result)?;
     match common.talk.json {
         true => print(&done.json)?,
-        false => print(&text(&shot, &figures, &truth, &done.out))?,
+        false => print(&text(&shot, &figures, &summary.truth, &done.out))?,
     }
     Ok(PathBuf::from(done.out))
 }
@@ -109,30 +111,10 @@ fn earlier_loads(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Resul
         };
         shot.write_frame(folder, &file)?;
         let [depth, slide, hold] = [json!(step.depth_mm), json!(step.slide_mm), json!(step.hold_s)];
-        let camera = shot.camera_json();
+        let camera = shot.camera_summary();
         frames.push(json!({"depth_mm": depth, "slide_mm": slide, "hold_s": hold, "file": file, "camera": camera}));
     }
     Ok(frames)
-}
-
-fn json(shot: &Shot, files_seconds: f64, figures: &Reading, reading: &SceneReading, earlier: &[Value]) -> Value {
-    let mut object = shot.json(files_seconds);
-    if let Some(Value::Object(camera)) = object.get_mut("camera") {
-        let lit = shot.frame.grey.iter().filter(|&&grey| f64::from(grey) > figures.threshold_grey).count();
-        camera.insert("lit_pixels".into(), json!(lit));
-    }
-    let mut paper = json!(figures.paper);
-    paper["threshold_grey"] = json!(figures.threshold_grey);
-    paper["reference"] = json!(reading.reference_name());
-    object.insert("paper".into(), paper);
-    object.insert("estimates".into(), json!(figures.estimates));
-    let mechanics = match shot.prepared.pressed() {
-        Some((pressed, _)) => press_json(pressed),
-        None => json!({"undefined": NO_MECHANICS}),
-    };
-    object.insert("mechanics".into(), mechanics);
-    object.insert("earlier_frames".into(), json!(earlier));
-    Value::Object(object)
 }
 
 fn text(shot: &Shot, figures: &Reading, truth: &Truth, out: &str) -> String {
@@ -160,7 +142,7 @@ fn text(shot: &Shot, figures: &Reading, truth: &Truth, out: &str) -> String {
         row("depth", said(&estimates.depth_mm, "mm")),
         row("modulus", said(&estimates.youngs_kpa, "kPa")),
     ]);
-    rows.extend(truth.rows());
+    rows.extend(truth_rows(truth));
     rows.extend(paper.warnings.iter().map(|warning| row("note", warning.clone())));
     rows.push(row("folder", out.to_owned()));
     rows.push(row("report", format!("{out}/report.html")));

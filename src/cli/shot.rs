@@ -10,10 +10,6 @@ use crate::film::RADIANCE_UNIT;
 use crate::image_io::{Provenance, write_png_grey, write_radiance_as};
 use crate::pipeline::{Reading, Shot};
 use crate::report::{ColorScale, Raster, false_color, false_color_with, relief};
-use crate::trace::Outcome;
-use crate::trace::batch::Times;
-use crate::trace::exitance::Smoothing;
-use serde_json::{Map, Value, json};
 use std::time::Instant;
 
 /// Pictures of the camera's frame, as SVG.
@@ -103,89 +99,6 @@ impl Shot<'_> {
         }
     }
 
-    /// What `--json` says of a render whose files took so long.
-    pub(super) fn json(&self, files_seconds: f64) -> Map<String, Value> {
-        let outcome = &self.outcome;
-        let relative = match outcome.relative_error {
-            Some(error) => json!(error),
-            None => json!({"undefined": "the image is dark; absolute_error and mean_radiance_below say how dark"}),
-        };
-        let unseen = &outcome.unseen;
-        let below = match unseen.mean_below {
-            Some(bound) => json!(bound),
-            None => json!({"undefined": "the image is not dark"}),
-        };
-        let block = |(edge, error): (u32, Option<f64>)| {
-            let relative = error.map_or_else(|| json!({"undefined": "the image is dark"}), |error| json!(error));
-            json!({"edge_pixels": edge, "relative_error": relative})
-        };
-        let object = json!({
-            "scene": self.prepared.scene().name,
-            "backend": outcome.backend,
-            "adapter": outcome.adapter,
-            "notice": outcome.notice,
-            "integrator": outcome.plan.method.name(),
-            "why": outcome.plan.why,
-            "seed": self.prepared.streams.seed,
-            "stream": self.prepared.settings.seed,
-            "random_numbers": self.prepared.streams.sharing.name(),
-            "spp": outcome.spp,
-            "replicates": outcome.film.replicates,
-            "paths": outcome.paths,
-            "photons": outcome.photons,
-            "ledger_photons": outcome.ledger_photons,
-            "map": outcome.smoothing.map_or_else(|| json!({"undefined": "no map"}), |smoothing| self.map_json(smoothing)),
-            "segments": outcome.segments,
-            "setup_seconds": outcome.setup_seconds,
-            "seconds": outcome.seconds,
-            "stages_seconds": self.stages(files_seconds),
-            "segments_per_second": segments_per_second(outcome),
-            "mean_radiance": outcome.mean_radiance,
-            "relative_error": relative,
-            "block_errors": outcome.block_errors().into_iter().map(block).collect::<Vec<_>>(),
-            "absolute_error": unseen.absolute_error(&outcome.film),
-            "mean_radiance_below": below,
-            "known_dark": unseen.known_dark,
-            "ledger": outcome.ledger,
-            "camera": self.camera_json(),
-        });
-        match object {
-            Value::Object(map) => map,
-            _ => Map::new(),
-        }
-    }
-
-    /// Where the time went, seconds.
-    fn stages(&self, files_seconds: f64) -> Value {
-        let outcome = &self.outcome;
-        let press = self.prepared.pressed().map_or(0.0, |(pressed, _)| pressed.seconds + pressed.error_seconds);
-        let Times { photons, map, camera, ledger } = outcome.times;
-        json!({
-            "mechanics": press,
-            "surface": self.prepared.surface_seconds,
-            "setup": outcome.setup_seconds,
-            "photons": photons,
-            "map": map,
-            "camera": camera,
-            "ledger": ledger,
-            "sums": outcome.seconds - photons - map - camera,
-            "files": files_seconds,
-        })
-    }
-
-    fn map_json(&self, smoothing: Smoothing) -> Value {
-        let texel_mm = self.prepared.scene().render.map_texel_mm;
-        json!({
-            "texel_mm": texel_mm,
-            "smoothing_mm": smoothing.widths.map(|width| width as f64 * texel_mm),
-            "relative_bias": smoothing.bias,
-        })
-    }
-
-    pub(super) fn camera_json(&self) -> Value {
-        camera_json(&self.frame, self.mm_per_pixel, &self.suited)
-    }
-
     /// Notes an exposure that does not suit the image, unless `quiet`.
     pub(super) fn note_exposure(&self, quiet: bool) {
         note_exposure(&self.suited, self.prepared.scene().camera.sensor.exposure_ms, quiet);
@@ -208,22 +121,6 @@ pub(super) fn write_frame(frame: &Frame, folder: &OutputFolder, name: &str) -> R
     // A PNG has 8 or 16 bits; levels of a depth between are written as they are.
     let png_depth = if *bit_depth > 8 { 16 } else { 8 };
     Ok(write_png_grey(&folder.path(name), *width, *height, grey, png_depth)?)
-}
-
-/// What `--json` says of a camera's frame.
-pub(super) fn camera_json(frame: &Frame, mm_per_pixel: f64, suited: &Suited) -> Value {
-    json!({
-        "pixels": [frame.width, frame.height],
-        "mm_per_pixel": mm_per_pixel,
-        "max_grey": frame.max_grey(),
-        "top_grey": frame.top_grey(),
-        "saturated_pixels": frame.saturated_pixels(),
-        "sum_grey": frame.grey.iter().map(|&grey| u64::from(grey)).sum::<u64>(),
-        "suggested_exposure_ms": match suited {
-            Suited::Filled { suggested_ms, .. } => json!(suggested_ms),
-            Suited::Undefined(reason) => json!({"undefined": reason}),
-        },
-    })
 }
 
 /// Notes an exposure time that does not suit the image, unless `quiet`.
@@ -252,11 +149,6 @@ fn scale_of(values: &[f64]) -> ColorScale {
         Some(&most) if most > 10.0 * percentile.max(dimmest) => ColorScale::Log,
         _ => ColorScale::Linear,
     }
-}
-
-/// Segments of camera paths and photons for each second of tracing.
-pub(super) fn segments_per_second(outcome: &Outcome) -> f64 {
-    outcome.segments as f64 / outcome.seconds.max(1e-9)
 }
 
 #[cfg(test)]

@@ -30,6 +30,8 @@ mod prepare;
 mod read;
 mod session;
 mod shot;
+mod summary;
+mod truth;
 
 pub use error::PipelineError;
 pub use prepare::{Order, Prepared, model_of};
@@ -37,6 +39,12 @@ pub use read::{ReadAs, Reading, Reference};
 pub use session::Session;
 pub(crate) use session::guides_light;
 pub use shot::{Shot, view_of};
+pub use summary::{
+    BlockError, CameraSummary, MapSummary, NO_MECHANICS, PaperSummary, PressSummary, RunSummary, ShotSummary,
+    StageSeconds, StepSummary,
+};
+pub(crate) use summary::{method_name, segments_per_second, setting};
+pub use truth::{TrueInclusion, TrueLayer, Truth};
 
 #[cfg(test)]
 mod tests;

@@ -1,9 +1,10 @@
 //! The report of frames.
 
 use super::super::facts::figure;
+use super::super::truth::truth_table;
 use super::pictures::Pictures;
 use super::{Reading, rounded, said};
-use crate::mechanics::frames::Feature;
+use crate::figure::Figure;
 use crate::report::{Item, Report, Section, Table};
 
 /// Makes the report.
@@ -16,7 +17,7 @@ pub(super) fn report(reading: &Reading, pictures: &Pictures) -> Report {
         let columns = ["figure", "value"].map(str::to_owned).to_vec();
         let table = Table { caption: "How it was computed".to_owned(), columns, rows };
         let mut items = vec![picture(svg, "deformed mesh with pressure", caption), Item::Table(table)];
-        items.extend(source.truth.table());
+        items.extend(truth_table(&source.truth));
         sections.push(Section { title: "Mechanics".to_owned(), items });
     }
     Report {
@@ -67,7 +68,7 @@ fn frames(reading: &Reading, pictures: &Pictures) -> Section {
 }
 
 fn features(reading: &Reading, pictures: &Pictures) -> Section {
-    let cell = |feature: &Feature| match feature.value() {
+    let cell = |feature: &Figure| match feature.value() {
         Some(value) => figure(value),
         None => "undefined".to_owned(),
     };

@@ -3,7 +3,8 @@
 use super::super::Failure;
 use super::super::facts::figure;
 use super::{Computed, Reading};
-use crate::mechanics::frames::{Feature, Features};
+use crate::figure::Figure;
+use crate::mechanics::frames::Features;
 use crate::report::{
     AxisName, Curve, CurvePlot, CurveStyle, FramePicture, MeshBody, MeshPicture, MeshValues, curve_plot, frame_picture,
     frames_image, mesh_picture,
@@ -82,7 +83,7 @@ impl Pictures {
 }
 
 /// A feature against position, a line for each run of frames that have it.
-fn curve(name: &str, all: &[Features], pick: fn(&Features) -> &Feature) -> Vec<Curve> {
+fn curve(name: &str, all: &[Features], pick: fn(&Features) -> &Figure) -> Vec<Curve> {
     let points: Vec<[f64; 2]> = all.iter().filter_map(|f| Some([f.position_mm, pick(f).value()?])).collect();
     // With gaps, a line would show what is not there.
     let style = if points.len() == all.len() && points.len() > 1 { CurveStyle::Line } else { CurveStyle::Points };

@@ -1,10 +1,10 @@
 //! Where frames come from: a scene that is computed, or a measured table.
 
 use super::super::facts::figure;
-use super::super::truth::Truth;
 use super::super::{Failure, Progress, cancel};
 use crate::mechanics::frames::scan::{ScanSettings, ScanSetup, Scanned, scan};
 use crate::mechanics::frames::{Features, Frames, Reference, Settings, features, read_frames};
+use crate::pipeline::Truth;
 use crate::report::{Values, Vtu};
 use crate::scene::{LoadedScan, SCAN_PRESETS, load_scan, scan_preset};
 use serde_json::{Value, json};

@@ -1,23 +1,23 @@
 //! The asymmetry of what an inclusion adds to a frame.
 
-use super::Feature;
+use crate::figure::Figure;
 
 /// (integral of D right of x = 0 - left of it) / integral of |D| with D = `frame` - `reference` on the places `x` (mm).
 ///
 /// D is linear between the places; its sign changes and the centre are met exactly. 0 where the integral of |D| is at
 /// most `vanishing_share` of that of |frame| + |reference|.
-pub(super) fn eccentricity(x: &[f64], frame: &[f64], reference: &[f64], vanishing_share: f64) -> Feature {
+pub(super) fn eccentricity(x: &[f64], frame: &[f64], reference: &[f64], vanishing_share: f64) -> Figure {
     if x.first().is_none_or(|&left| left >= 0.0) || x.last().is_none_or(|&right| right <= 0.0) {
-        return Feature::undefined("the frame does not lie on both sides of the indenter's centre");
+        return Figure::undefined("the frame does not lie on both sides of the indenter's centre");
     }
     let difference: Vec<f64> = frame.iter().zip(reference).map(|(p, r)| p - r).collect();
     let total = absolute(x, &difference);
     if total <= vanishing_share * (absolute(x, frame) + absolute(x, reference)) {
-        return Feature::known(0.0);
+        return Figure::known(0.0);
     }
     let pieces = x.windows(2).zip(difference.windows(2));
     let signed: f64 = pieces.map(|(x, d)| right_minus_left([x[0], x[1]], [d[0], d[1]])).sum();
-    Feature::known(signed / total)
+    Figure::known(signed / total)
 }
 
 /// Integral of sign(x) times a linear piece.

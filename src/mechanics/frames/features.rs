@@ -1,7 +1,8 @@
 //! What a frame is reduced to.
 
 use super::eccentricity::eccentricity;
-use super::{Feature, Frame, Frames, FramesError, Parabola};
+use super::{Frame, Frames, FramesError, Parabola};
+use crate::figure::Figure;
 use serde::Serialize;
 use std::ops::RangeInclusive;
 
@@ -40,15 +41,15 @@ pub struct Features {
     /// Position of the frame, mm.
     pub position_mm: f64,
     /// Peak of the parabola, kPa.
-    pub peak_kpa: Feature,
+    pub peak_kpa: Figure,
     /// Raw pressure at the ends of the window, kPa.
-    pub base_kpa: Feature,
+    pub base_kpa: Figure,
     /// Place of the parabola's peak, mm.
-    pub center_mm: Feature,
+    pub center_mm: Figure,
     /// Full width of the parabola at half of its peak, mm; it may reach beyond the window.
-    pub fwhm_mm: Feature,
+    pub fwhm_mm: Figure,
     /// Asymmetry of what the inclusion adds, from -1 to 1.
-    pub eccentricity: Feature,
+    pub eccentricity: Figure,
     /// The parabola, where there are samples enough.
     pub parabola: Option<Parabola>,
 }
@@ -78,11 +79,11 @@ fn of_frame(frame: &Frame, reference: &Frame, settings: &Settings) -> Features {
     let contact = frame.pressure_kpa.iter().position(touches).zip(frame.pressure_kpa.iter().rposition(touches));
     let (base_kpa, parabola) = match contact {
         Some((first, last)) => fit(frame, first..=last, settings.window_mm.unwrap_or(f64::INFINITY)),
-        None => (Feature::undefined("there is no contact"), None),
+        None => (Figure::undefined("there is no contact"), None),
     };
     let [peak_kpa, center_mm, fwhm_mm] = match (&parabola, base_kpa.value()) {
         (Some(parabola), Some(_)) => vertex(parabola),
-        (None, Some(_)) => [(); 3].map(|()| Feature::undefined("fewer than three places of contact lie in the window")),
+        (None, Some(_)) => [(); 3].map(|()| Figure::undefined("fewer than three places of contact lie in the window")),
         (_, None) => [(); 3].map(|()| base_kpa.clone()),
     };
     let share = settings.vanishing_share;
@@ -91,13 +92,13 @@ fn of_frame(frame: &Frame, reference: &Frame, settings: &Settings) -> Features {
 }
 
 /// Base and parabola over the part of the contact within `half` of the centre.
-fn fit(frame: &Frame, contact: RangeInclusive<usize>, half: f64) -> (Feature, Option<Parabola>) {
+fn fit(frame: &Frame, contact: RangeInclusive<usize>, half: f64) -> (Figure, Option<Parabola>) {
     let base = 0.5 * (edge(frame, &contact, -half) + edge(frame, &contact, half));
     // A hair of slack: a place at the window's end belongs to it whatever rounding did to either.
     let inside = |i: &usize| frame.x_mm[*i].abs() <= half * (1.0 + 1e-12);
     let kept: Vec<usize> = contact.filter(inside).collect();
     let pick = |values: &[f64]| kept.iter().map(|&i| values[i]).collect::<Vec<_>>();
-    (Feature::known(base), Parabola::fit(&pick(&frame.x_mm), &pick(&frame.pressure_kpa)))
+    (Figure::known(base), Parabola::fit(&pick(&frame.x_mm), &pick(&frame.pressure_kpa)))
 }
 
 /// The raw pressure at the window's end `at` (infinite: the frame's own end), linear between places; 0 beyond the
@@ -122,22 +123,22 @@ fn edge(frame: &Frame, contact: &RangeInclusive<usize>, at: f64) -> f64 {
 }
 
 /// Peak, its place and its width, from the parabola's vertex.
-fn vertex(parabola: &Parabola) -> [Feature; 3] {
+fn vertex(parabola: &Parabola) -> [Figure; 3] {
     let [from, to] = parabola.window_mm;
     let center = parabola.center_mm();
     if !parabola.has_peak() {
-        return [(); 3].map(|()| Feature::undefined("the fitted parabola has no peak"));
+        return [(); 3].map(|()| Figure::undefined("the fitted parabola has no peak"));
     }
     if !(from..=to).contains(&center) {
-        return [(); 3].map(|()| Feature::undefined("the fitted parabola peaks outside its window"));
+        return [(); 3].map(|()| Figure::undefined("the fitted parabola peaks outside its window"));
     }
     let peak = parabola.at(center);
     let fwhm = if peak > 0.0 {
-        Feature::known((2.0 * peak / -parabola.coefficients[2]).sqrt())
+        Figure::known((2.0 * peak / -parabola.coefficients[2]).sqrt())
     } else {
-        Feature::undefined("the fitted parabola's peak is not positive")
+        Figure::undefined("the fitted parabola's peak is not positive")
     };
-    [Feature::known(peak), Feature::known(center), fwhm]
+    [Figure::known(peak), Figure::known(center), fwhm]
 }
 
 #[cfg(test)]

@@ -17,13 +17,11 @@
 //! the frame. The paper's reference, the frame farthest from the inclusion, is what a measurement has.
 
 mod eccentricity;
-mod feature;
 mod features;
 mod parabola;
 pub mod scan;
 mod table;
 
-pub use feature::Feature;
 pub use features::{Features, Reference, Settings, features};
 pub use parabola::Parabola;
 pub use table::{features_csv, frames_csv, read_frames};

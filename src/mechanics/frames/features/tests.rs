@@ -15,7 +15,7 @@ fn one(pressure: &dyn Fn(f64) -> f64, settings: &Settings) -> Features {
     features(&scan(&[0.0], &|_, x| pressure(x)), Reference::Farthest, settings).unwrap().remove(0)
 }
 
-fn close(feature: &Feature, expected: f64) {
+fn close(feature: &Figure, expected: f64) {
     let value = feature.value().unwrap();
     // Rounding of 65 samples in sums of a few kPa.
     assert!((value - expected).abs() < 1e-11, "{value} {expected}");
@@ -31,7 +31,7 @@ fn a_parabola_cut_off_by_the_array_gives_its_peak_base_and_width() {
     close(&f.base_kpa, base);
     // Half of the peak at a distance w of it: 0.1 w^2 = 9 / 2.
     close(&f.fwhm_mm, 2.0 * 45f64.sqrt());
-    assert_eq!(f.eccentricity, Feature::Known(0.0));
+    assert_eq!(f.eccentricity, Figure::Known(0.0));
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn the_width_at_half_of_the_peak_tells_shapes_apart() {
 #[test]
 fn frames_without_a_feature_say_why() {
     let settings = Settings::default();
-    let reason = |feature: &Feature| feature.reason().unwrap();
+    let reason = |feature: &Figure| feature.reason().unwrap().to_owned();
     let uniform = one(&|_| 3.0, &settings);
     assert_eq!(reason(&uniform.peak_kpa), "the fitted parabola has no peak");
     assert_eq!(reason(&uniform.fwhm_mm), "the fitted parabola has no peak");

@@ -89,9 +89,9 @@ fn frames_mirror_and_eccentricity_is_odd() {
 #[test]
 fn over_the_inclusion_frames_are_higher_and_narrower_and_on_the_approach_wider() {
     let scanned = run(&coarse(&scene(-20.0, 0.0, 3)));
-    let value = |feature: &crate::mechanics::frames::Feature| feature.value().unwrap();
+    let value = |feature: &crate::figure::Figure| feature.value().unwrap();
     let [far, near, over] = &read(&scanned)[..] else { panic!("three positions") };
-    let within = |name: &str, feature: &crate::mechanics::frames::Feature, expected: f64, share: f64| {
+    let within = |name: &str, feature: &crate::figure::Figure, expected: f64, share: f64| {
         let value = value(feature);
         assert!((value / expected - 1.0).abs() < share, "{name}: {value}, expected {expected}");
     };
