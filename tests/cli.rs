@@ -19,6 +19,8 @@ mod converge;
 mod environment;
 #[path = "cli/estimate.rs"]
 mod estimate;
+#[path = "cli/examples.rs"]
+mod examples;
 #[path = "cli/folders.rs"]
 mod folders;
 #[path = "cli/frames.rs"]

@@ -86,14 +86,18 @@ export NODEVICE_SELECT=1
 # More tests at once than cores, and more threads in each: one that waits for a driver's compiler, which uses one core,
 # leaves the others to the rest, and a busy machine gives each thread its share.
 cores="$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)"
-export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$((cores + 4))}"
-export RAYON_NUM_THREADS="${RAYON_NUM_THREADS:-$RUST_TEST_THREADS}" LP_NUM_THREADS="${LP_NUM_THREADS:-$RUST_TEST_THREADS}"
+export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$((cores + 6))}"
+export RAYON_NUM_THREADS="${RAYON_NUM_THREADS:-$RUST_TEST_THREADS}"
+export LP_NUM_THREADS="${LP_NUM_THREADS:-$RUST_TEST_THREADS}"
 
 run() {
     say "$*"
     "$@"
 }
-# Benchmarks run once each as tests; documentation examples are a run of their own in cargo.
+# A test runs the examples and finds them built. Documentation examples are a run of their own in cargo.
+examples=()
+for file in examples/*.rs; do examples+=(--example "$(basename "$file" .rs)"); done
+run cargo build --profile ci --locked "${examples[@]}"
 run cargo test --profile ci --locked --all-targets "$@"
 run cargo test --profile ci --locked --doc "$@"
 say "all tests passed"

@@ -41,7 +41,7 @@ fn start_camera_path(pixel: u32) {
 
 // Through the lowest face. What it mirrors leaves for good: that share is taken off the weight, not met by chance.
 fn enter() -> bool {
-    if (ROUGH && face_kind(0u) != 0u) { return meet(0u, vec3f(0.0, 0.0, 1.0), 1.0); }
+    if (ROUGH && face_kind(0u) != SMOOTH) { return meet(0u, vec3f(0.0, 0.0, 1.0), 1.0); }
     let a = path.p.z;
     let n_sq = layer_n_sq(0u);
     let dn_sq = face_dn_sq(0u);

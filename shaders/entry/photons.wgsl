@@ -6,7 +6,7 @@ override SPLATTED: bool = false;
 
 @group(0) @binding(12) var<storage, read_write> ledger: array<atomic<u32>>;
 
-var<private> tally: array<i32, 10>;
+var<private> tally: array<i32, BOOK_SLOTS>;
 
 fn units(w: f32) -> i32 { return i32(round(w * UNIT)); }
 fn book(slot: u32, amount: i32) { tally[slot] += amount; }
@@ -34,7 +34,7 @@ fn enters_lens() -> bool {
 fn photons(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= run.count) { return; }
     read_scene();
-    for (var b = 0u; b < 10u; b += 1u) { tally[b] = 0; }
+    for (var b = 0u; b < BOOK_SLOTS; b += 1u) { tally[b] = 0; }
     var s = 0u;
     loop {
         // On to the next photon that is not astray from the start.
@@ -60,7 +60,7 @@ fn photons(@builtin(global_invocation_id) id: vec3u) {
         record_end(end);
         close(end);
     }
-    for (var b = 0u; b < 10u; b += 1u) {
+    for (var b = 0u; b < BOOK_SLOTS; b += 1u) {
         if (tally[b] == 0) { continue; }
         // Signed amounts in two's complement over 64 bits.
         let low = u32(tally[b]);

@@ -9,9 +9,6 @@
 //   lamp_picked       the LED for a number in [0, 1), by shares of the power; lamp_picked_aimed, by those of aimed photons
 //   lamp_aim_low, lamp_aim_high    sines between which aimed photons leave it, seen from above
 
-const NO_TABLE: u32 = 0xffffffffu;
-const TABLE_EDGE: u32 = 64u;   // cells in u = sin^2(theta) and in phi
-
 override LED_TABLES: bool = false;
 override COSINE_POWER: bool = false;
 
@@ -61,7 +58,7 @@ fn light_at_end(end: u32) -> f32 {
         let k = wall_led();
         if (k == scene.led_count) { return 0.0; }
         let n = layer_n(path.layer);
-        record(600u + k, 1.0);
+        record(EVENT_LED + k, 1.0);
         return led_radiance(k, dot(path.p, wall_axis(path.wall)) / n, path.p / n) / (n * n);
     }
     if (end != END_SIDES) { return 0.0; }
@@ -72,7 +69,7 @@ fn light_at_end(end: u32) -> f32 {
         let at = path.o + path.p * (lamp_gap(k) / q);
         let d = vec2f(along_of(path.wall, at) - lamp_along(k), at.z - lamp_height(k));
         if (dot(d, d) <= lamp_radius(k) * lamp_radius(k)) {
-            record(600u + k, 1.0);
+            record(EVENT_LED + k, 1.0);
             return led_radiance(k, q / n, path.p / n) / (n * n);
         }
     }
@@ -81,8 +78,8 @@ fn light_at_end(end: u32) -> f32 {
 
 // A direction from LED k: x the squared sine to its normal, y the azimuth.
 fn led_direction(k: u32) -> vec2f {
-    let u = even_draw(617715u, run.shift_polar);
-    let v = even_draw(488567u, run.shift_azimuth);
+    let u = even_draw(LATTICE_POLAR, run.shift_polar);
+    let v = even_draw(LATTICE_AZIMUTH, run.shift_azimuth);
     if (LED_TABLES && lamp_table(k) != NO_TABLE) {
         var low = 0u;
         var high = TABLE_EDGE * TABLE_EDGE - 1u;
@@ -105,11 +102,11 @@ fn led_direction(k: u32) -> vec2f {
 
 // Starts a photon at an LED. GOES_ON, or how it ended before it entered the stack.
 fn launch() -> u32 {
-    let pick = even_draw(1u, run.shift_led);
+    let pick = even_draw(LATTICE_LED, run.shift_led);
     var k = lamp_picked(pick);
     if (AIMED) { k = lamp_picked_aimed(pick); }
-    let r = lamp_radius(k) * sqrt(even_draw(761135u, run.shift_radius));
-    let turn = TAU * even_draw(257481u, run.shift_turn);
+    let r = lamp_radius(k) * sqrt(even_draw(LATTICE_RADIUS, run.shift_radius));
+    let turn = TAU * even_draw(LATTICE_TURN, run.shift_turn);
     let along = lamp_along(k) + r * cos(turn);
     let z = lamp_height(k) + r * sin(turn);
     let direction = led_direction(k);
@@ -135,7 +132,7 @@ fn launch() -> u32 {
     path.turns = 0u;
     let face = select(scene.half_size.y, scene.half_size.x, wall < 2u);
     path.o = face * out + along * tangent + vec3f(0.0, 0.0, z);
-    record(600u + k, 1.0);
+    record(EVENT_LED + k, 1.0);
     if (lamp_air(k) == 1u) {
         path.p = scene.surround_n * d;
         path.o -= d * (lamp_gap(k) / dot(d, out));
@@ -154,8 +151,8 @@ fn launch() -> u32 {
     let dn_sq = -layer_side_dn_sq(path.layer);
     let b_sq = dn_sq + a * a;
     let f = reflectance(a, dn_sq, n_sq);
-    let u = even_draw(94035u, run.shift_side);
-    record(256u + wall * 2u + select(1u, 0u, u < f), abs(u - f));
+    let u = even_draw(LATTICE_SIDE, run.shift_side);
+    record(EVENT_WALL + wall * 2u + select(1u, 0u, u < f), abs(u - f));
     if (u < f) { return END_SIDES; }
     path.p -= (sqrt(b_sq) - a) * out;
     return GOES_ON;

@@ -1,7 +1,6 @@
 // Event histories: every event's code goes to a list per path, for the comparison with the CPU twin.
 
 @group(0) @binding(11) var<storage, read_write> events: array<u32>;
-const EVENTS: u32 = 64u;   // per path, the first word is their number
 var<private> event_row: u32;
 var<private> event_count: u32;
 
@@ -11,6 +10,6 @@ fn record(code: u32, margin: f32) {
 }
 fn record_start(row: u32) { event_row = row; event_count = 0u; }
 fn record_end(end: u32) {
-    record(1000u + end, 1.0);
+    record(EVENT_END + end, 1.0);
     events[event_row * EVENTS] = event_count;
 }

@@ -4,9 +4,6 @@
 // absorbed. Microfacets: GGX with visible normals (Walter et al. 2007; Heitz 2018); the energy that single scattering
 // loses to shadowing is booked as absorbed.
 
-const ROUGH_SMALL: u32 = 1u;
-const ROUGH_MICROFACET: u32 = 2u;
-
 // A facet normal, on the upward side of `normal`, seen by the path; sampled by Heitz 2018.
 fn facet(normal: vec3f, side: f32, alpha: f32, layer: u32) -> vec3f {
     let up = normal * -side;   // towards the incoming ray

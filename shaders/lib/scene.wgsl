@@ -71,36 +71,8 @@ override ROULETTE_START: u32;
 override EVENT_CAP: u32;
 override SEARCH_STEPS: u32;
 
-const FAR: f32 = 1e30;
+// Constants come before this text: src/trace/constants.rs writes them.
 const TAU: f32 = 6.283185307179586;
-const UNIT: f32 = 1048576.0;   // ledger units of one photon, or of a camera path's first weight
-
-// How a walk ends.
-const END_WALL: u32 = 1u;      // at a black wall, or at a mirror where an LED may sit
-const END_SIDES: u32 = 2u;     // left through a clear wall
-const END_TOP: u32 = 3u;
-const END_BOTTOM: u32 = 4u;
-const END_TOUCH: u32 = 5u;     // at the touched face where there is tissue: the walk goes on after it
-const END_ABSORBED: u32 = 6u;
-const END_ROULETTE: u32 = 7u;
-const END_CAP: u32 = 8u;
-const END_LOST: u32 = 9u;
-const END_ASTRAY: u32 = 10u;   // an aimed photon that can meet tissue no more
-const GOES_ON: u32 = 0u;
-
-const STRAY: u32 = 0x80000000u;   // of a path that inner faces, walls or tissue sent another way
-
-// Slots of the flux ledger.
-const BOOK_EMITTED: u32 = 0u;
-const BOOK_ABSORBED: u32 = 1u;
-const BOOK_TOP: u32 = 2u;
-const BOOK_BOTTOM: u32 = 3u;
-const BOOK_SIDES: u32 = 4u;
-const BOOK_DETECTED: u32 = 5u;
-const BOOK_TERMINATED: u32 = 6u;
-const BOOK_ROULETTE: u32 = 7u;
-const BOOK_LOST: u32 = 8u;
-const BOOK_SEGMENTS: u32 = 9u;
 
 struct Path {
     o: vec3f,

@@ -1,7 +1,5 @@
 // Every interface is smooth: mirror reflection and Snell refraction about the normal.
 
-const ROUGH_MICROFACET: u32 = 2u;
-
 fn facet(normal: vec3f, side: f32, alpha: f32, layer: u32) -> vec3f { return normal; }
 
 fn bounce(i: u32, normal: vec3f, m: vec3f, side: f32, a: f32) {

@@ -4,8 +4,6 @@
 // lengthened, evenly more from step to step, so that it comes across within the steps it has; where that steps over the
 // surface it goes back and on by safe steps.
 
-const SAFE_STEPS: f32 = 64.0;
-const STEPPED_OVER: f32 = 1e-5;   // mm: above rounding and the safe steps' own error
 
 @group(0) @binding(8) var<storage, read> field: array<vec4f>;
 

@@ -67,7 +67,7 @@ fn tissue_walk(cos_in: f32) -> u32 {
     for (var k = 0u; k < 4096u; k += 1u) {
         let lives = draw();
         let share = returned(mu);
-        record(512u + select(0u, 1u, lives < share), abs(lives - share));
+        record(EVENT_CONTACT + select(0u, 1u, lives < share), abs(lives - share));
         if (lives >= share) { return END_ABSORBED; }
         if (SPREADING) {
             let xy = displace(path.o.xy);
@@ -85,7 +85,7 @@ fn tissue_walk(cos_in: f32) -> u32 {
         let a = sqrt(max(a_sq, 0.0));
         let r = select(boundary(path.o.xy, a).x, 1.0, a_sq <= 0.0);
         let u = draw();
-        record(514u + select(0u, 1u, u < r), abs(u - r));
+        record(EVENT_REENTRY + select(0u, 1u, u < r), abs(u - r));
         if (u < r) {
             mu = mu_out;
             tissue_reentry(mu);

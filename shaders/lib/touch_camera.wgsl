@@ -4,10 +4,6 @@
 
 fn tissue_reentry(mu: f32) {}
 
-// Least share of the paths that go on as reflected where a map is read: what they see may be an LED, and nothing is
-// lost by them.
-const REFLECTED: f32 = 0.2;
-
 // Exitance of the tissue at a point towards the cosine `mu_o`, as radiance times pi in the tissue's medium.
 fn exitance_at(xy: vec2f, mu_o: f32) -> f32 {
     let size = vec2i(scene.map_size);
@@ -35,7 +31,7 @@ fn camera_touch(light: ptr<function, f32>) -> u32 {
     }
     let chance = select(r, max(r, REFLECTED), MAPPED);
     let u = draw();
-    record(520u + select(0u, 1u, u < chance), abs(u - chance));
+    record(EVENT_TISSUE + select(0u, 1u, u < chance), abs(u - chance));
     if (u < chance) {
         path.weight *= r / chance;
         touch_reflect();

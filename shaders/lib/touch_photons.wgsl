@@ -98,7 +98,7 @@ fn photon_touch() -> u32 {
         if (shares.y > 0.0) { deposit(at + 1u, path.weight * shares.y); }
     }
     let u = draw();
-    record(520u + select(0u, 1u, u < r.x), abs(u - r.x));
+    record(EVENT_TISSUE + select(0u, 1u, u < r.x), abs(u - r.x));
     if (u < r.x) {
         touch_reflect();
         return GOES_ON;

@@ -67,7 +67,7 @@ fn meet(i: u32, normal: vec3f, side: f32) -> bool {
     var chance = r;
     if (EYE) {
         let top = i == scene.layer_count && side > 0.0;
-        let even = !(ROUGH && face_kind(i) != 0u);
+        let even = !(ROUGH && face_kind(i) != SMOOTH);
         if (even && (top || i == 0u && side < 0.0)) { chance = select(1.0, max(r, 0.5), top && !leaves_for_good(path.p + (b - a) * m)); }
     }
     if (u < chance) {
@@ -97,10 +97,9 @@ fn mirror(m: vec3f) { path.p -= 2.0 * dot(path.p, m) * m; }
 fn roulette() -> u32 {
     path.bounces += 1u;
     if (path.bounces >= EVENT_CAP) { return END_CAP; }
-    let least = select(0.1, select(0.01, 0.003, TOUCHED), EYE);
+    let least = select(LEAST_PHOTON, select(LEAST_EYE, LEAST_EYE_TOUCHED, TOUCHED), EYE);
     if (path.weight < least || path.bounces > ROULETTE_START) {
-        // Survivors weigh twice the least: at the least itself rounding would decide whether they play again.
-        let keep = min(0.5 * path.weight / least, 0.95);
+        let keep = min(KEEP_AT_LEAST * path.weight / least, MOST_KEPT);
         if (draw() >= keep) { return END_ROULETTE; }
         let before = path.weight;
         path.weight = before / keep;
@@ -137,7 +136,7 @@ fn meet_wall() -> u32 {
             r = fresnel(a, sqrt(b_sq), n_sq, n_sq + layer_side_dn_sq(path.layer));
             u = draw();
         }
-        record(256u + path.wall * 2u + select(1u, 0u, u < r), select(abs(u - r), abs(b_sq), b_sq <= 0.0));
+        record(EVENT_WALL + path.wall * 2u + select(1u, 0u, u < r), select(abs(u - r), abs(b_sq), b_sq <= 0.0));
         let out = select(-q, sign(q) * sqrt(max(b_sq, 0.0)), u >= r);
         if (along_x) { path.p.x = out; } else { path.p.y = out; }
         if (u >= r) { return END_SIDES; }
@@ -147,12 +146,12 @@ fn meet_wall() -> u32 {
     if (MIRROR_WALLS) {
         if (wall_led() < scene.led_count) { return END_WALL; }
         if (draw() >= scene.wall_reflectance) { return END_ABSORBED; }
-        record(256u + path.wall * 2u, 1.0);
+        record(EVENT_WALL + path.wall * 2u, 1.0);
         if (path.wall < 2u) { path.p.x = -path.p.x; } else { path.p.y = -path.p.y; }
         path.turns |= STRAY;
         return GOES_ON;
     }
-    record(256u + path.wall * 2u, 1.0);
+    record(EVENT_WALL + path.wall * 2u, 1.0);
     return END_WALL;
 }
 

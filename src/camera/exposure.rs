@@ -18,8 +18,10 @@
 use super::noise::PixelRandom;
 use super::projection::{ProjectionError, focal_px};
 use crate::film::Film;
+use crate::image_io::{ImageError, write_png_grey};
 use crate::scene::{Camera, Sensor};
 use rayon::prelude::*;
+use std::path::Path;
 
 /// Planck's constant, J s (exact in the SI).
 pub const PLANCK_J_S: f64 = 6.626_070_15e-34;
@@ -42,6 +44,15 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// Writes it as a grey PNG: of 8 bits, or of 16 where a level takes more; levels are written as they are.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_png(&self, path: &Path) -> Result<(), ImageError> {
+        let bits = if self.bit_depth > 8 { 16 } else { 8 };
+        write_png_grey(path, self.width, self.height, &self.grey, bits)
+    }
+
     /// The top grey level, 2^bits - 1.
     pub fn top_grey(&self) -> u16 {
         top_grey(self.bit_depth)

@@ -3,7 +3,7 @@
 use super::facts::{columns, figure};
 use super::flags::positive;
 use super::job::load_scene;
-use super::shot::{note_exposure, write_frame};
+use super::shot::note_exposure;
 use super::{Failure, Outcome, OutputFolder, Talk, note, print};
 use crate::camera::{Frame, Suited, expose};
 use crate::film::Film;
@@ -64,7 +64,7 @@ impl Expose {
         let (film, provenance) = read_radiance(&image)?;
         let exposure = self.expose(loaded, &film, provenance.as_ref(), &image)?;
         note_exposure(&exposure.suited, exposure.loaded.scene.camera.sensor.exposure_ms, self.talk.quiet);
-        write_frame(&exposure.frame, &folder, "camera.png")?;
+        exposure.frame.write_png(&folder.path("camera.png"))?;
         folder.write("camera_false_color.svg", &exposure.picture()?)?;
         let done = folder.commit(Some(&exposure.loaded.text), exposure.json())?;
         match self.talk.json {

@@ -65,7 +65,7 @@ pub(super) fn mean_radiance(shot: &Shot) -> String {
 }
 
 fn camera(shot: &Shot) -> String {
-    let saturated = match shot.saturated_pixels() {
+    let saturated = match shot.frame.saturated_pixels() {
         0 => String::new(),
         count => format!(", {count} pixels saturated"),
     };
@@ -74,7 +74,7 @@ fn camera(shot: &Shot) -> String {
         shot.frame.width,
         shot.frame.height,
         figure(shot.mm_per_pixel),
-        shot.max_grey(),
+        shot.frame.max_grey(),
         shot.frame.top_grey()
     )
 }

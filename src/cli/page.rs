@@ -62,7 +62,7 @@ fn cards(shot: &Shot) -> Vec<(String, String)> {
         card("paths a pixel", outcome.spp.to_string()),
         card("photons", figure(outcome.photons as f64)),
         card("error of a lit pixel", error),
-        card("brightest grey level", format!("{} of {}", shot.max_grey(), shot.frame.top_grey())),
+        card("brightest grey level", format!("{} of {}", shot.frame.max_grey(), shot.frame.top_grey())),
     ]
 }
 

@@ -93,7 +93,7 @@ pub(super) fn whole_job(
 fn baseline(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Result<Reference, Failure> {
     let baseline = job.baseline(prepared)?;
     let shot = job.shoot(&baseline)?;
-    shot.write_frame(folder, "baseline.png")?;
+    shot.frame.write_png(&folder.path("baseline.png"))?;
     Ok(shot.as_reference()?)
 }
 
@@ -109,7 +109,7 @@ fn earlier_loads(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Resul
             Load::Path(_) => format!("camera_{}.png", k + 1),
             _ => format!("camera_{}mm.png", figure(step.depth_mm)),
         };
-        shot.write_frame(folder, &file)?;
+        shot.frame.write_png(&folder.path(&file))?;
         let [depth, slide, hold] = [json!(step.depth_mm), json!(step.slide_mm), json!(step.hold_s)];
         let camera = shot.camera_summary();
         frames.push(json!({"depth_mm": depth, "slide_mm": slide, "hold_s": hold, "file": file, "camera": camera}));

@@ -5,9 +5,8 @@ use super::measure::marks;
 use super::output::command_of_light;
 use super::side::side_picture;
 use super::{Failure, OutputFolder, note};
-use crate::camera::{Frame, Suited};
+use crate::camera::Suited;
 use crate::film::RADIANCE_UNIT;
-use crate::image_io::{Provenance, write_png_grey, write_radiance_as};
 use crate::pipeline::{Reading, Shot};
 use crate::report::{ColorScale, Raster, false_color, false_color_with, relief};
 use std::time::Instant;
@@ -31,21 +30,14 @@ impl Shot<'_> {
     /// Writes radiance, camera image and pictures.
     pub(super) fn write(&self, folder: &OutputFolder) -> Result<Pictures, Failure> {
         let start = Instant::now();
-        let film = &self.outcome.film;
-        let variances = self.outcome.unseen.variances(film);
-        write_radiance_as(&folder.path("radiance.exr"), film, &variances, &self.provenance())?;
-        self.write_frame(folder, "camera.png")?;
+        self.write_radiance(&folder.path("radiance.exr"), &command_of_light())?;
+        self.frame.write_png(&folder.path("camera.png"))?;
         let mut pictures = self.pictures()?;
         folder.write("radiance.svg", &pictures.radiance)?;
         folder.write("relief.svg", &pictures.relief)?;
         folder.write("side.svg", &pictures.side)?;
         pictures.files_seconds = start.elapsed().as_secs_f64();
         Ok(pictures)
-    }
-
-    /// Writes the camera's frame.
-    pub(super) fn write_frame(&self, folder: &OutputFolder, name: &str) -> Result<(), Failure> {
-        write_frame(&self.frame, folder, name)
     }
 
     fn pictures(&self) -> Result<Pictures, Failure> {
@@ -78,49 +70,10 @@ impl Shot<'_> {
         Raster { width, height, values, quantity, unit, mm_per_pixel: Some(self.mm_per_pixel) }
     }
 
-    /// What the header of radiance.exr says.
-    fn provenance(&self) -> Provenance {
-        let outcome = &self.outcome;
-        Provenance {
-            unit: RADIANCE_UNIT.into(),
-            scene_name: self.prepared.scene().name.clone(),
-            scene_sha256: self.prepared.loaded.sha256.clone(),
-            seed: self.prepared.streams.seed,
-            stream: Some(self.prepared.settings.seed),
-            sensor_seed: Some(self.prepared.streams.sensor()),
-            spp: u32::try_from(outcome.spp).unwrap_or(u32::MAX),
-            photons: outcome.photons,
-            integrator: outcome.plan.method.name().into(),
-            backend: outcome.backend.into(),
-            adapter: outcome.adapter.clone(),
-            version: env!("CARGO_PKG_VERSION").into(),
-            command: command_of_light(),
-            ..Provenance::default()
-        }
-    }
-
     /// Notes an exposure that does not suit the image, unless `quiet`.
     pub(super) fn note_exposure(&self, quiet: bool) {
         note_exposure(&self.suited, self.prepared.scene().camera.sensor.exposure_ms, quiet);
     }
-
-    /// Highest grey level of the camera's frame.
-    pub(super) fn max_grey(&self) -> u16 {
-        self.frame.max_grey()
-    }
-
-    /// Pixels of the camera's frame at its top grey level.
-    pub(super) fn saturated_pixels(&self) -> usize {
-        self.frame.saturated_pixels()
-    }
-}
-
-/// Writes a camera's frame.
-pub(super) fn write_frame(frame: &Frame, folder: &OutputFolder, name: &str) -> Result<(), Failure> {
-    let Frame { width, height, bit_depth, grey } = frame;
-    // A PNG has 8 or 16 bits; levels of a depth between are written as they are.
-    let png_depth = if *bit_depth > 8 { 16 } else { 8 };
-    Ok(write_png_grey(&folder.path(name), *width, *height, grey, png_depth)?)
 }
 
 /// Notes an exposure time that does not suit the image, unless `quiet`.

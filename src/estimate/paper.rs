@@ -14,7 +14,7 @@
 //! - Xc, Yc, h, M: independent noise of `noise_grey` in every pixel, two standard deviations.
 //!
 //! Of a simulated frame ([`measure`]) they hold the mean of the figure over seeds, of light and camera together, 95 %
-//! of the time: see `spread.rs`. `examples/coverage.rs` measures that.
+//! of the time: see `spread.rs`. `benches/coverage.rs` measures that.
 
 use super::exposed::Exposed;
 use super::image::GreyImage;

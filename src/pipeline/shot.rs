@@ -2,10 +2,12 @@
 
 use super::{PipelineError, Prepared};
 use crate::camera::{Frame, ProjectionError, Suited, View, expected_electrons, expose};
-use crate::film::Film;
+use crate::film::{Film, RADIANCE_UNIT};
+use crate::image_io::{ImageError, Provenance, write_radiance_as};
 use crate::progress::Observer;
 use crate::scene::Scene;
 use crate::trace::{Devices, Outcome, render};
+use std::path::Path;
 
 /// An image with the camera's view of it.
 #[derive(Debug, Clone)]
@@ -39,6 +41,36 @@ impl<'a> Shot<'a> {
         let suited = Suited::of(&outcome.film, camera, wavelength_nm)?;
         let mm_per_pixel = view_of(scene)?.mm_per_pixel();
         Ok(Self { prepared, outcome, frame, suited, mm_per_pixel })
+    }
+
+    /// Writes the radiance with its variance as an EXR whose header says what made it; `command` is the user's word
+    /// for that.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_radiance(&self, path: &Path, command: &str) -> Result<(), ImageError> {
+        let film = &self.outcome.film;
+        write_radiance_as(path, film, &self.outcome.unseen.variances(film), &self.provenance(command))
+    }
+
+    fn provenance(&self, command: &str) -> Provenance {
+        let outcome = &self.outcome;
+        Provenance {
+            unit: RADIANCE_UNIT.into(),
+            scene_name: self.prepared.scene().name.clone(),
+            scene_sha256: self.prepared.loaded.sha256.clone(),
+            seed: self.prepared.streams.seed,
+            stream: Some(self.prepared.settings.seed),
+            sensor_seed: Some(self.prepared.streams.sensor()),
+            spp: u32::try_from(outcome.spp).unwrap_or(u32::MAX),
+            photons: outcome.photons,
+            integrator: outcome.plan.method.name().into(),
+            backend: outcome.backend.into(),
+            adapter: outcome.adapter.clone(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            command: command.into(),
+            ..Provenance::default()
+        }
     }
 }
 

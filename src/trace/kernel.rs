@@ -1,5 +1,6 @@
 //! What a scene needs of the kernels, and what it leaves out.
 
+use super::constants::Finish;
 use super::model::{Heights, Model, Real, Shape, Walls};
 
 /// Pieces of the kernels that a scene needs. The GPU assembles its WGSL from them, the twin branches on them.
@@ -83,7 +84,7 @@ impl Kernel {
         let carries = |piece| model.spare.contains(&piece);
         let straight = matches!(model.shape, Shape::Plane)
             && model.walls == Walls::Black
-            && model.faces.iter().all(|f| f.kind == 0)
+            && model.faces.iter().all(|f| f.finish == Finish::Smooth)
             && model.tissue.as_ref().is_some_and(|t| t.radius_sq < T::of(1e30));
         Self {
             shape: match model.shape {
@@ -100,7 +101,7 @@ impl Kernel {
             absorbing: carries(Spare::Absorption) || model.layers.iter().any(|l| l.absorption > zero),
             clear_walls: model.walls == Walls::Clear,
             mirror_walls: model.walls == Walls::Mirror,
-            rough: carries(Spare::Roughness) || model.faces.iter().any(|f| f.kind != 0),
+            rough: carries(Spare::Roughness) || model.faces.iter().any(|f| f.finish != Finish::Smooth),
             touched: model.tissue.is_some(),
             half_space: model.tissue.as_ref().is_some_and(|t| t.scatter.is_half_space()),
             spreading: model.tissue.as_ref().is_some_and(|t| t.spread_d > zero),

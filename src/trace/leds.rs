@@ -5,14 +5,12 @@
 //! angle of Lambertian light is uniform), and end where they can meet it no more. The ledger gets photons of its own
 //! (docs/decisions/launch.md).
 
+use super::constants::TABLE_EDGE;
 use super::model::Real;
 use crate::scene::{self, IesTable, LoadedScene, Mount, Pattern, Wall, read_ies};
 use crate::surface::SurfaceError;
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
-
-/// Cells of an intensity table along sin^2(theta) and along the azimuth.
-pub const TABLE_EDGE: usize = 64;
 
 /// Radiances of the brightest LED, W/(m^2 sr), whose images have variances within the range of f32, dim pixels
 /// included.

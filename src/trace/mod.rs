@@ -20,6 +20,7 @@
 
 pub mod backend;
 pub mod batch;
+pub mod constants;
 pub mod cpu;
 pub mod exitance;
 mod finite;

@@ -3,6 +3,7 @@
 //! Layers are numbered from the camera side: 0 is the surround below, 1 the lowest layer, N the touched one, N + 1 the
 //! surround above. Interface i lies between layers i and i + 1.
 
+use super::constants::Finish;
 use super::kernel::Spare;
 use super::leds::Led;
 pub use super::real::Real;
@@ -55,8 +56,8 @@ pub struct Face<T> {
     pub rough: T,
     /// GGX width of the lobe or of the microfacets.
     pub alpha: T,
-    /// 0 smooth, 1 small roughness, 2 microfacets.
-    pub kind: u32,
+    /// Whether it is rough.
+    pub finish: Finish,
 }
 
 /// Shape of the deformed interfaces.
@@ -240,7 +241,7 @@ impl Model<f64> {
                     field: f.field,
                     rough: of(f.rough),
                     alpha: of(f.alpha),
-                    kind: f.kind,
+                    finish: f.finish,
                 })
                 .collect(),
             shape: match &self.shape {

@@ -1,5 +1,6 @@
 //! From a validated scene to the tracer's model.
 
+use super::constants::Finish;
 use super::model::{Camera, CapShape, Face, FieldShape, Heights, Layer, MeshShape, Model, Shape, Tissue, Walls};
 use super::scatter::Scatter;
 use super::{leds, unfold};
@@ -126,13 +127,13 @@ fn faces(
         .enumerate()
         .map(|(i, ((&z, &share), rough))| {
             let (n_below, n_above) = (layers[i].n, layers[i + 1].n);
-            let (kind, rough, alpha) = match *rough {
-                Roughness::None => (0, 0.0, 0.0),
+            let (finish, rough, alpha) = match *rough {
+                Roughness::None => (Finish::Smooth, 0.0, 0.0),
                 Roughness::Small { rms_nm, lobe_slope } => {
                     let k = 4.0 * PI * rms_nm / scene.light.wavelength_nm;
-                    (1, k * k, std::f64::consts::SQRT_2 * lobe_slope)
+                    (Finish::Small, k * k, std::f64::consts::SQRT_2 * lobe_slope)
                 }
-                Roughness::Microfacet { alpha } => (2, 0.0, alpha),
+                Roughness::Microfacet { alpha } => (Finish::Microfacet, 0.0, alpha),
             };
             let mut face = Face {
                 z,
@@ -145,7 +146,7 @@ fn faces(
                 field: 0,
                 rough,
                 alpha,
-                kind,
+                finish,
             };
             if let Some(relief) = surface.relief(i) {
                 face.follow(relief);

@@ -1,4 +1,4 @@
-//! False alarms of a comparison on real renders of the twin; `examples/false_alarms` is the long form.
+//! False alarms of a comparison on real renders of the twin; `benches/false_alarms` is the long form.
 
 use crate::figures::few_pixels;
 use crate::films::film;

@@ -1,4 +1,4 @@
-//! Intervals and warnings of the paper's figures on real renders of the twin; `examples/coverage.rs` is the long form.
+//! Intervals and warnings of the paper's figures on real renders of the twin; `benches/coverage.rs` is the long form.
 
 use crate::films::film;
 use crate::scenes::FEW_TEXELS_MM;

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
 use tirtouch::scene::{Integrator, Walls};
 use tirtouch::trace::backend::{CameraMode, PhotonMode};
+use tirtouch::trace::constants::{EVENT_END, EVENTS};
 use tirtouch::trace::cpu::camera::View;
 use tirtouch::trace::cpu::photons::Deposits;
 use tirtouch::trace::cpu::{Event, Limits, Path};
@@ -26,7 +27,7 @@ const PIXELS: [u32; 2] = [64, 48];
 const PATHS: u32 = PIXELS[0] * PIXELS[1];
 const SEED: u32 = 20_260_807;
 /// Words of one history on the GPU: the number of events, and the first of them.
-const WORDS: usize = 64;
+const WORDS: usize = EVENTS as usize;
 /// Runs of the twin with other roundings. A branch whose two sides lie within the rounding of both tracers is taken
 /// either way in a few of ten; a chaotic path (a dent spreads rays) needs more.
 const RUNS: u64 = 1024;
@@ -55,7 +56,7 @@ fn kinds(model: &Model<f64>) -> Vec<Kind> {
 /// A history as the GPU keeps it. Events after the end (the LED that a camera path found) follow uncounted.
 fn row(events: &[Event]) -> [u32; WORDS] {
     let mut row = [0; WORDS];
-    row[0] = events.iter().position(|e| e.code >= 1000).map_or(0, |end| end as u32 + 1);
+    row[0] = events.iter().position(|e| e.code >= EVENT_END).map_or(0, |end| end as u32 + 1);
     row[1..].iter_mut().zip(events).for_each(|(word, event)| *word = event.code);
     row
 }

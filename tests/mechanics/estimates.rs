@@ -1,5 +1,5 @@
 //! The errors that a press states of itself, against finer meshes and a closed form, on few and coarse meshes;
-//! `examples/press_errors` does the same for many (docs/decisions/press-errors.md).
+//! `benches/press_errors` does the same for many (docs/decisions/press-errors.md).
 
 use super::answers::{hayes, phantom};
 use super::layers::{Punched, one, rounded};

@@ -7,6 +7,7 @@ use super::fresnel::fresnel;
 use super::vec3::v3;
 use super::{End, Limits, Path, V3, book, units};
 use crate::trace::backend::Fates;
+use crate::trace::constants::{EVENT_END, EVENT_TISSUE, Finish, REFLECTED};
 use crate::trace::model::{Model, Real, Tissue};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -20,10 +21,6 @@ pub struct View<'a, T> {
     /// Leave out what `splat` finds: paths that reach their first tissue straight.
     pub complement: bool,
 }
-
-/// Least share of the paths that go on as reflected where a map is read: what they see may be an LED, and nothing is
-/// lost by them.
-const REFLECTED: f64 = 0.2;
 
 /// Film units of one unit of radiance: sums are 64-bit fixed point with 48 fractional bits.
 pub const FILM_UNIT: f64 = 281_474_976_710_656.0;
@@ -76,7 +73,7 @@ impl<T: Real> Path<'_, T> {
             }
             break end;
         };
-        self.record(1000 + end as u32, T::one());
+        self.record(EVENT_END + end as u32, T::one());
         match end {
             End::Lost => self.tally[book::LOST] += 1,
             End::Cap => self.tally[book::TERMINATED] += units(self.weight),
@@ -88,7 +85,7 @@ impl<T: Real> Path<'_, T> {
     /// Through the lowest face; what it mirrors is taken off the weight.
     fn enter(&mut self) -> bool {
         let face = self.model.faces[0];
-        if face.kind != 0 {
+        if face.finish != Finish::Smooth {
             return self.meet(0, V3::up(), T::one());
         }
         let a = self.p.z;
@@ -168,7 +165,7 @@ impl<T: Real> Path<'_, T> {
         }
         let chance = if view.exitance.is_some() { r.max(T::of(REFLECTED)) } else { r };
         let u = self.draw();
-        self.record(520 + u32::from(u < chance), (u - chance).abs());
+        self.record(EVENT_TISSUE + u32::from(u < chance), (u - chance).abs());
         if u < chance {
             self.weight = self.weight * (r / chance);
             self.touch_reflect();

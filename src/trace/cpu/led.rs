@@ -2,8 +2,12 @@
 
 use super::fresnel::reflectance;
 use super::{End, Path, V3};
+use crate::trace::constants::{
+    EVENT_LED, EVENT_WALL, LATTICE_AZIMUTH, LATTICE_LED, LATTICE_POLAR, LATTICE_RADIUS, LATTICE_SIDE, LATTICE_TURN,
+    TABLE_EDGE,
+};
 use crate::trace::cpu::vec3::v3;
-use crate::trace::leds::{Led, TABLE_EDGE};
+use crate::trace::leds::Led;
 use crate::trace::model::Real;
 use std::f64::consts::TAU;
 
@@ -55,7 +59,7 @@ impl<T: Real> Path<'_, T> {
                 let Some(k) = self.wall_led() else {
                     return T::zero();
                 };
-                self.record(600 + k as u32, T::one());
+                self.record(EVENT_LED + k as u32, T::one());
                 let n = self.model.layers[self.layer].n;
                 let inv = T::one() / n;
                 self.led_radiance(&self.model.leds[k], self.p.dot(axis) * inv, self.p * inv) / (n * n)
@@ -70,7 +74,7 @@ impl<T: Real> Path<'_, T> {
                     let at = self.o + self.p * (led.gap / q);
                     let (u, v) = (along_of(led.wall, at) - led.along, at.z - led.height);
                     if u * u + v * v <= led.radius * led.radius {
-                        self.record(600 + k as u32, T::one());
+                        self.record(EVENT_LED + k as u32, T::one());
                         let inv = T::one() / n;
                         return self.led_radiance(led, q * inv, self.p * inv) / (n * n);
                     }
@@ -83,7 +87,7 @@ impl<T: Real> Path<'_, T> {
 
     /// Squared sine to the disc's normal, and azimuth.
     fn led_direction(&mut self, led: &Led<T>) -> (T, T) {
-        let (u, v) = (self.even_draw(617_715), self.even_draw(488_567));
+        let (u, v) = (self.even_draw(LATTICE_POLAR), self.even_draw(LATTICE_AZIMUTH));
         if let Some(table) = led.table {
             let cells = &self.model.led_tables[table..table + TABLE_EDGE * TABLE_EDGE];
             let cell = cells.partition_point(|c| c[1] <= u).min(cells.len() - 1);
@@ -101,13 +105,13 @@ impl<T: Real> Path<'_, T> {
     /// Starts a photon at an LED.
     pub fn launch(&mut self) -> End {
         let (zero, one) = (T::zero(), T::one());
-        let pick = self.even_draw(1);
+        let pick = self.even_draw(LATTICE_LED);
         let leds = &self.model.leds;
         let share = |l: &Led<T>| if self.aimed { l.cumulative_aimed } else { l.cumulative };
         let k = leds.iter().position(|l| pick < share(l)).unwrap_or(leds.len() - 1);
         let led = &leds[k];
-        let r = led.radius * self.even_draw(761_135).sqrt();
-        let turn = T::of(TAU) * self.even_draw(257_481);
+        let r = led.radius * self.even_draw(LATTICE_RADIUS).sqrt();
+        let turn = T::of(TAU) * self.even_draw(LATTICE_TURN);
         let along = led.along + r * turn.cos();
         let z = led.height + r * turn.sin();
         let (sin_sq, azimuth) = self.led_direction(led);
@@ -132,7 +136,7 @@ impl<T: Real> Path<'_, T> {
         let [half_x, half_y] = self.model.half_size;
         let (face, width) = if x_wall { (half_x, half_y) } else { (half_y, half_x) };
         self.o = out * face + tangent * along + V3::up() * z;
-        self.record(600 + k as u32, one);
+        self.record(EVENT_LED + k as u32, one);
         if led.air {
             self.p = d * self.model.surround_n;
             self.o = self.o - d * (led.gap / d.dot(out));
@@ -156,8 +160,8 @@ impl<T: Real> Path<'_, T> {
         let dn_sq = -layer.side_dn_sq;
         let b_sq = dn_sq + a * a;
         let f = reflectance(a, dn_sq, self.model.surround_n * self.model.surround_n);
-        let u = self.even_draw(94_035);
-        self.record(256 + led.wall * 2 + u32::from(u >= f), (u - f).abs());
+        let u = self.even_draw(LATTICE_SIDE);
+        self.record(EVENT_WALL + led.wall * 2 + u32::from(u >= f), (u - f).abs());
         if u < f {
             return End::Sides;
         }

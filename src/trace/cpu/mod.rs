@@ -18,68 +18,10 @@ pub mod walk;
 pub(super) use led::wall_axis;
 pub(super) use vec3::V3;
 
+pub use super::constants::{End, STRAY, UNIT, book};
+
 use super::kernel::Kernel;
 use super::model::{Model, Real};
-
-/// How a walk ends, or that it goes on. Numbers as in `scene.wgsl`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum End {
-    /// Not ended.
-    GoesOn = 0,
-    /// At a black wall, or at a bonded LED in a mirror.
-    Wall = 1,
-    /// Left through a clear wall.
-    Sides = 2,
-    /// Left through the touched side.
-    Top = 3,
-    /// Left towards the camera.
-    Bottom = 4,
-    /// At tissue: the walk goes on after it.
-    Touch = 5,
-    /// Absorbed.
-    Absorbed = 6,
-    /// Russian roulette.
-    Roulette = 7,
-    /// The cap on interactions.
-    Cap = 8,
-    /// No surface was found: an error.
-    Lost = 9,
-    /// An aimed photon that can meet tissue no more.
-    Astray = 10,
-}
-
-/// Mark of a path that inner faces, walls or tissue sent another way.
-pub const STRAY: u32 = 1 << 31;
-
-/// Slots of the flux ledger. Numbers as in `scene.wgsl`.
-pub mod book {
-    /// Sent out.
-    pub const EMITTED: usize = 0;
-    /// Absorbed.
-    pub const ABSORBED: usize = 1;
-    /// Left through the touched side.
-    pub const TOP: usize = 2;
-    /// Left towards the camera.
-    pub const BOTTOM: usize = 3;
-    /// Left through the walls.
-    pub const SIDES: usize = 4;
-    /// Entered the lens.
-    pub const DETECTED: usize = 5;
-    /// Cut off.
-    pub const TERMINATED: usize = 6;
-    /// Roulette.
-    pub const ROULETTE: usize = 7;
-    /// Lost paths.
-    pub const LOST: usize = 8;
-    /// Segments traced.
-    pub const SEGMENTS: usize = 9;
-    /// Number of slots.
-    pub const SLOTS: usize = 10;
-}
-
-/// Ledger units of one photon.
-pub const UNIT: f64 = 1_048_576.0;
 
 /// One event of a path and how far its decision was from going the other way (a probability or a squared momentum).
 #[derive(Debug, Clone, Copy, PartialEq)]

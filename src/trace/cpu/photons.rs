@@ -2,6 +2,7 @@
 
 use super::fresnel::fresnel;
 use super::{End, Limits, Path, book, units};
+use crate::trace::constants::{EVENT_END, EVENT_TISSUE};
 use crate::trace::model::{Model, Real};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -49,7 +50,7 @@ impl<T: Real> Path<'_, T> {
         let mut end = self.launch();
         self.tally[book::EMITTED] += units(T::one());
         if self.aimed && end == End::GoesOn && self.astray() {
-            self.record(1000 + End::Astray as u32, T::one());
+            self.record(EVENT_END + End::Astray as u32, T::one());
             return;
         }
         while end == End::GoesOn {
@@ -58,7 +59,7 @@ impl<T: Real> Path<'_, T> {
                 end = self.photon_touch();
             }
         }
-        self.record(1000 + end as u32, T::one());
+        self.record(EVENT_END + end as u32, T::one());
         let slot = match end {
             End::Sides => book::SIDES,
             End::Top => book::TOP,
@@ -215,7 +216,7 @@ impl<T: Real> Path<'_, T> {
             }
         }
         let u = self.draw();
-        self.record(520 + u32::from(u < r.mixed), (u - r.mixed).abs());
+        self.record(EVENT_TISSUE + u32::from(u < r.mixed), (u - r.mixed).abs());
         if u < r.mixed {
             self.touch_reflect();
             return End::GoesOn;

@@ -53,8 +53,11 @@ impl<T: Real> Path<'_, T> {
 
 #[cfg(test)]
 mod tests {
+    use crate::trace::constants::*;
+
     /// Generators of the launch.
-    const GENERATORS: [u32; 6] = [1, 761_135, 257_481, 617_715, 488_567, 94_035];
+    const GENERATORS: [u32; 6] =
+        [LATTICE_LED, LATTICE_RADIUS, LATTICE_TURN, LATTICE_POLAR, LATTICE_AZIMUTH, LATTICE_SIDE];
 
     /// The mean square error over all shifts, in the worst case of a function space with product weights of 0.7 (Dick,
     /// Kuo and Sloan, Acta Numerica 22, 133, 2013, section 5), is below that of random points; in few coordinates, far

@@ -3,10 +3,8 @@
 use super::fresnel::reflectance;
 use super::vec3::{V3, v3};
 use super::{Path, book};
+use crate::trace::constants::Finish;
 use crate::trace::model::Real;
-
-const SMALL: u32 = 1;
-const MICROFACET: u32 = 2;
 
 impl<T: Real> Path<'_, T> {
     pub(super) fn facet(&mut self, normal: V3<T>, side: T, alpha: T, layer: usize) -> V3<T> {
@@ -55,13 +53,13 @@ impl<T: Real> Path<'_, T> {
         let face = self.model.faces[i];
         let layer = self.model.layers[self.layer];
         let cos_in = self.p.dot(normal) / layer.n;
-        if face.kind == MICROFACET {
+        if face.finish == Finish::Microfacet {
             self.mirror(m);
             self.shadow(i, normal, cos_in, layer.n, -side, true);
             return;
         }
         let share = scattered(face.rough, a);
-        if face.kind != SMALL || self.draw() >= share {
+        if face.finish != Finish::Small || self.draw() >= share {
             self.mirror(m);
             return;
         }
@@ -87,9 +85,9 @@ impl<T: Real> Path<'_, T> {
         let cos_in = self.p.dot(normal) / layer.n;
         let rough = T::of(0.25) * face.rough;
         let share = scattered(rough, a - b);
-        if face.kind != SMALL || self.draw() >= share {
+        if face.finish != Finish::Small || self.draw() >= share {
             self.p = self.p + m * (side * (b - a));
-            if face.kind == MICROFACET {
+            if face.finish == Finish::Microfacet {
                 self.shadow(i, normal, cos_in, n_next, side, false);
             }
             return;

@@ -6,16 +6,12 @@
 
 use super::Path;
 use super::vec3::{V3, v3};
+use crate::trace::constants::{FAR, SAFE_STEPS, STEPPED_OVER};
 use crate::trace::model::{CapShape, FieldShape, Heights, MeshShape, Real, Shape};
-
-/// Steps of the search on a height field that never pass the surface, before they are lengthened.
-const SAFE_STEPS: f64 = 64.0;
-/// How far beyond the surface a longer step has passed it, mm.
-const STEPPED_OVER: f64 = 1e-5;
 
 /// Further than anything.
 pub fn far<T: Real>() -> T {
-    T::of(1e30)
+    T::of(FAR)
 }
 
 fn c<T: Real>(v: f64) -> T {

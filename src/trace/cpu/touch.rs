@@ -3,6 +3,7 @@
 use super::fresnel::{fresnel, reflectance};
 use super::rough::tangents;
 use super::{End, Path, STRAY, V3};
+use crate::trace::constants::{EVENT_CONTACT, EVENT_REENTRY};
 use crate::trace::model::{Real, Tissue};
 
 /// Reflectance of the boundary: of the whole, of true contact, of the gap.
@@ -98,7 +99,7 @@ impl<'m, T: Real> Path<'m, T> {
         for _ in 0..4096 {
             let lives = self.draw();
             let share = t.returned(mu);
-            self.record(512 + u32::from(lives < share), (lives - share).abs());
+            self.record(EVENT_CONTACT + u32::from(lives < share), (lives - share).abs());
             if lives >= share {
                 return End::Absorbed;
             }
@@ -124,7 +125,7 @@ impl<'m, T: Real> Path<'m, T> {
             let a = a_sq.max(zero).sqrt();
             let r = if a_sq <= zero { one } else { self.boundary(self.o.x, self.o.y, a).mixed };
             let u = self.draw();
-            self.record(514 + u32::from(u < r), (u - r).abs());
+            self.record(EVENT_REENTRY + u32::from(u < r), (u - r).abs());
             if u < r {
                 mu = mu_out;
                 self.tissue_reentry(mu);

@@ -9,7 +9,10 @@
 use super::fresnel::fresnel;
 use super::surface::far;
 use super::vec3::V3;
-use super::{End, Path, STRAY, book};
+use super::{End, Path, book};
+use crate::trace::constants::{
+    EVENT_WALL, Finish, KEEP_AT_LEAST, LEAST_EYE, LEAST_EYE_TOUCHED, LEAST_PHOTON, MOST_KEPT, STRAY,
+};
 use crate::trace::model::{Real, Walls};
 
 fn safe_divide<T: Real>(a: T, b: T) -> T {
@@ -53,7 +56,8 @@ impl<T: Real> Path<'_, T> {
         let n_sq = self.model.layers[self.layer].n_sq;
         let face = self.model.faces[i];
         let dn_sq = face.dn_sq * side;
-        let m = if face.kind == 2 { self.facet(normal, side, face.alpha, self.layer) } else { normal };
+        let m =
+            if face.finish == Finish::Microfacet { self.facet(normal, side, face.alpha, self.layer) } else { normal };
         let a = self.p.dot(m).abs();
         let b_sq = dn_sq + a * a;
         let code = i as u32 * 4;
@@ -71,7 +75,7 @@ impl<T: Real> Path<'_, T> {
         let upper = i == self.top() && side > T::zero();
         let outer = upper || i == 0 && side < T::zero();
         let one = T::one();
-        let chance = match self.eye && outer && face.kind == 0 {
+        let chance = match self.eye && outer && face.finish == Finish::Smooth {
             true if upper && !self.leaves_for_good(self.p + m * (b - a)) => r.max(T::of(0.5)),
             true => one,
             false => r,
@@ -109,13 +113,12 @@ impl<T: Real> Path<'_, T> {
             return End::Cap;
         }
         let least = T::of(match (self.eye, self.kernel.touched) {
-            (false, _) => 0.1,
-            (true, false) => 0.01,
-            (true, true) => 0.003,
+            (false, _) => LEAST_PHOTON,
+            (true, false) => LEAST_EYE,
+            (true, true) => LEAST_EYE_TOUCHED,
         });
         if self.weight < least || self.bounces > self.limits.roulette_start {
-            // Survivors weigh twice the least: at the least itself rounding would decide whether they play again.
-            let keep = (T::of(0.5) * self.weight / least).min(T::of(0.95));
+            let keep = (T::of(KEEP_AT_LEAST) * self.weight / least).min(T::of(MOST_KEPT));
             if self.draw() >= keep {
                 return End::Roulette;
             }
@@ -145,7 +148,7 @@ impl<T: Real> Path<'_, T> {
     }
 
     fn meet_wall(&mut self) -> End {
-        let code = 256 + self.wall * 2;
+        let code = EVENT_WALL + self.wall * 2;
         let along_x = self.wall < 2;
         match self.model.walls {
             Walls::Clear => {

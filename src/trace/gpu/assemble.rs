@@ -16,6 +16,7 @@
 
 use super::layout::{self, Numbers, Wgsl as _};
 use crate::trace::backend::{CameraMode, PhotonMode};
+use crate::trace::constants;
 use crate::trace::cpu::Limits;
 use crate::trace::kernel::{Kernel, ShapePiece};
 use crate::trace::leds::Led;
@@ -43,7 +44,9 @@ pub enum Entry {
 pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> (String, Numbers) {
     let kernel = Kernel::of(model);
     let (accessors, numbers) = accessors(model);
+    let shared = constants::wgsl();
     let mut pieces = vec![
+        shared.as_str(),
         piece!("lib/scene"),
         accessors.as_str(),
         piece!("lib/random"),
@@ -145,7 +148,7 @@ fn accessors(model: &Model<f32>) -> (String, Numbers) {
         let term = |[place, weight]: [f32; 2]| format!("{} / ({} + mu)", numbers.hold(weight), numbers.hold(place));
         text.push_str(&format!("fn h_terms(mu: f32) -> f32 {{ return {}; }}\n", tissue.terms.map(term).join(" + ")));
     }
-    accessor(&mut text, "face_kind", "u32", model.faces.iter().map(|f| word(f.kind as usize)));
+    accessor(&mut text, "face_kind", "u32", model.faces.iter().map(|f| word(f.finish as usize)));
     accessor(&mut text, "face_field", "u32", model.faces.iter().map(|f| word(f.field * field_vectors)));
     (numbers.wgsl() + &text, numbers)
 }

@@ -1,5 +1,8 @@
 //! The structs of the shaders, member for member as in `scene.wgsl`; a test holds them to naga's offsets.
 
+use crate::trace::constants::{
+    LATTICE_AZIMUTH, LATTICE_LED, LATTICE_POLAR, LATTICE_RADIUS, LATTICE_SIDE, LATTICE_TURN,
+};
 use crate::trace::cpu::random::shift;
 use crate::trace::model::{Heights, Model, Shape};
 use crate::trace::scatter::Scatter;
@@ -127,12 +130,12 @@ impl Run {
             count,
             samples,
             first_sample,
-            shift_led: shift(seed, 1),
-            shift_radius: shift(seed, 761_135),
-            shift_turn: shift(seed, 257_481),
-            shift_polar: shift(seed, 617_715),
-            shift_azimuth: shift(seed, 488_567),
-            shift_side: shift(seed, 94_035),
+            shift_led: shift(seed, LATTICE_LED),
+            shift_radius: shift(seed, LATTICE_RADIUS),
+            shift_turn: shift(seed, LATTICE_TURN),
+            shift_polar: shift(seed, LATTICE_POLAR),
+            shift_azimuth: shift(seed, LATTICE_AZIMUTH),
+            shift_side: shift(seed, LATTICE_SIDE),
             pad: 0,
         }
     }

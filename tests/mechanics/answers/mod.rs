@@ -1,6 +1,6 @@
 //! Problems with a known answer, each on a ladder of meshes: rung 1, 2, 3, ... divides every element once, twice, ...
 //!
-//! The tests hold one rung of each to its tolerance; `examples/mechanics_ladder.rs` climbs them all.
+//! The tests hold one rung of each to its tolerance; `benches/mechanics_ladder.rs` climbs them all.
 
 pub mod cook;
 pub mod eshelby;
