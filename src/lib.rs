@@ -31,6 +31,7 @@ pub mod film;
 pub mod image_io;
 pub mod mechanics;
 pub mod optics;
+pub mod output;
 pub mod pipeline;
 pub mod progress;
 pub mod report;

@@ -4,8 +4,8 @@ use super::candidates::{Candidate, Dent};
 use super::statistics::{Estimate, Replicates, block_means};
 use anyhow::Result;
 use std::time::Instant;
-use tirtouch::trace::backend::CameraMode;
 use tirtouch::trace::cpu::camera::FILM_UNIT;
+use tirtouch::trace::modes::CameraMode;
 use tirtouch::trace::{Backend, BackendChoice, Devices, Precision};
 
 /// Paths per pixel in one round.

@@ -3,11 +3,13 @@
 mod difference;
 mod strict;
 
+use super::command;
 use super::flags::probability;
-use super::{Failure, Outcome, OutputFolder, Talk, note, print};
+use super::{Failure, Outcome, Talk, note, print};
 use crate::film::Film;
 use crate::film::compare::{CompareError, Comparison, LevelTest, Paired, compare, compare_paired};
 use crate::image_io::{Provenance, read_radiance};
+use crate::output::OutputFolder;
 use clap::Args;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -68,7 +70,7 @@ impl Compare {
         let mut printed = found.to_string();
         if let Some(folder) = folder.filter(|_| !passed) {
             folder.write("difference.svg", &difference::picture(&a, &b, self.strict.asked())?)?;
-            printed = folder.commit(None, found)?.json;
+            printed = command::commit(folder, None, found)?.json;
         }
         print(if self.talk.json { &printed } else { &text })?;
         Ok(if passed { Outcome::Done } else { Outcome::CheckFailed })

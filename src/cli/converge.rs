@@ -2,18 +2,18 @@
 
 mod climb;
 mod pictures;
-mod records;
 mod table;
 
+use super::command::described;
 use super::flags::Backend;
 use super::job::{check_light, load_scene};
-use super::output::{RESULT, SCENE, described};
 use super::{Failure, Outcome, Talk, note, print};
+use crate::output::leftovers::leftovers;
+use crate::output::{RESULT, Records, SCENE};
 use crate::scene::LoadedScene;
 use crate::trace::{Devices, Precision, Settings};
 use clap::Args;
 use climb::Climb;
-use records::Records;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -97,6 +97,7 @@ impl Converge {
             "version": env!("CARGO_PKG_VERSION"),
         });
         let records = Records::open(&place, &order, self.force, self.resume)?;
+        leftovers().keep(format!("what was done is in {}: go on with --resume", place.display()));
         records.write(SCENE, &loaded.text)?;
         let climb = Climb {
             loaded: &loaded,

@@ -3,7 +3,8 @@
 use super::job::Job;
 use super::measure::SceneReading;
 use super::run::{Loads, whole_job};
-use super::{Common, Failure, Outcome, OutputFolder, print};
+use super::{Common, Failure, Outcome, print};
+use crate::output::OutputFolder;
 use clap::Args;
 use std::path::{Path, PathBuf};
 

@@ -7,6 +7,7 @@ use crate::film::compare::CompareError;
 use crate::image_io::ImageError;
 use crate::mechanics::frames::scan::ScanError;
 use crate::mechanics::press::PressError;
+use crate::output::{OutputError, Remedy};
 use crate::report::{PictureError, VtuError};
 use crate::scene::{DataFileError, SceneError};
 use crate::surface::SurfaceError;
@@ -164,6 +165,26 @@ impl From<ImageError> for Failure {
             _ => Self::input(error.to_string()),
         };
         failure.in_file(error.path())
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        let words = error.to_string();
+        match error {
+            OutputError::Refused { place, remedy, .. } => {
+                let help = match remedy {
+                    Remedy::Mend => "",
+                    Remedy::Elsewhere => "; `--out` names another folder",
+                    Remedy::Replace => "; `--force` replaces it, `--out` names another",
+                    Remedy::GoOn => "; `--resume` goes on with it, `--force` replaces it, `--out` names another",
+                };
+                Self::input(words + help).in_file(&place)
+            }
+            OutputError::Failed { place, .. } => Self::failed(words).in_file(&place),
+            OutputError::Image(error) => error.into(),
+            OutputError::Stopped => Self::cancelled(),
+        }
     }
 }
 

@@ -1,13 +1,15 @@
 //! `expose`: another frame of light that is traced already.
 
+use super::command;
 use super::facts::{columns, figure};
 use super::flags::positive;
 use super::job::load_scene;
 use super::shot::note_exposure;
-use super::{Failure, Outcome, OutputFolder, Talk, note, print};
+use super::{Failure, Outcome, Talk, note, print};
 use crate::camera::{Frame, Suited, expose};
 use crate::film::Film;
 use crate::image_io::{Provenance, read_radiance};
+use crate::output::OutputFolder;
 use crate::pipeline::{CameraSummary, view_of};
 use crate::report::{ColorScale, Raster, false_color};
 use crate::scene::{LoadedScene, load_alone, validate};
@@ -66,7 +68,7 @@ impl Expose {
         note_exposure(&exposure.suited, exposure.loaded.scene.camera.sensor.exposure_ms, self.talk.quiet);
         exposure.frame.write_png(&folder.path("camera.png"))?;
         folder.write("camera_false_color.svg", &exposure.picture()?)?;
-        let done = folder.commit(Some(&exposure.loaded.text), exposure.json())?;
+        let done = command::commit(folder, Some(&exposure.loaded.text), exposure.json())?;
         match self.talk.json {
             true => print(&done.json)?,
             false => print(&exposure.text(&done.out))?,

@@ -4,11 +4,13 @@ mod page;
 mod pictures;
 mod source;
 
+use super::command;
 use super::facts::{columns, figure};
 use super::flags::{finite, not_negative, positive};
-use super::{Failure, Outcome, OutputFolder, Talk, note, print};
+use super::{Failure, Outcome, Talk, note, print};
 use crate::figure::Figure;
 use crate::mechanics::frames::{Features, Frame, features_csv, frames_csv};
+use crate::output::OutputFolder;
 use clap::Args;
 use pictures::Pictures;
 use serde_json::{Value, json};
@@ -70,7 +72,7 @@ impl FramesCommand {
         }
         let pictures = Pictures::draw(&reading)?;
         reading.write(&folder, &pictures)?;
-        let done = folder.commit(reading.source.scene_text.as_deref(), reading.json())?;
+        let done = command::commit(folder, reading.source.scene_text.as_deref(), reading.json())?;
         match self.talk.json {
             true => print(&done.json)?,
             false => print(&reading.text(&done.out))?,
@@ -124,7 +126,7 @@ impl Reading {
         for (name, svg) in pictures.files() {
             folder.write(name, svg)?;
         }
-        folder.write("report.html", &page::report(self, pictures).to_html())
+        Ok(folder.write("report.html", &page::report(self, pictures).to_html())?)
     }
 
     fn json(&self) -> Value {

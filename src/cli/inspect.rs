@@ -3,11 +3,10 @@
 use super::facts::{columns, figure};
 use super::job::{Job, check_light, load_scene, watched};
 use super::pressing::press_cost;
-use super::regimes::regimes;
+use super::regimes::{LayerAngles, layers, regimes};
 use super::{Failure, Outcome, Talk, print};
 use crate::mechanics::memory::limit_gib;
 use crate::mechanics::press::Cost;
-use crate::optics::{acceptance_deg, critical_deg};
 use crate::pipeline::{Prepared, method_name, view_of};
 use crate::scene::LoadedScene;
 use crate::streams::{Role, Streams};
@@ -15,7 +14,6 @@ use crate::surface::Surface;
 use crate::trace::gains::{Gain, gains};
 use crate::trace::{BackendChoice, Devices, Kernel, Method, Plan, Precision, Settings};
 use clap::Args;
-use serde::Serialize;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -38,28 +36,6 @@ pub(super) struct Inspect {
 
 /// Samples a pixel and most pixels along a side of the images that gains are measured on.
 const GAIN_IMAGE: (u32, u32) = (64, 192);
-
-/// The angles of one layer.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct LayerAngles {
-    pub name: String,
-    pub n: f64,
-    pub thickness_mm: f64,
-    /// Largest angle to the edge's normal, in the surround, that is still trapped; 90: everything is.
-    pub acceptance_deg: f64,
-    /// Critical angle of total reflection to the surround.
-    critical_to_surround_deg: Value,
-    /// Why the acceptance is 90 or 0, where it is.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    note: Option<String>,
-}
-
-impl LayerAngles {
-    /// The critical angle to the surround in degrees, or a dash where there is none.
-    pub fn critical_text(&self) -> String {
-        self.critical_to_surround_deg.as_f64().map_or("-".to_owned(), |v| format!("{v:.4}"))
-    }
-}
 
 impl Inspect {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
@@ -124,36 +100,6 @@ impl Inspect {
         let other = Streams { role: Role::Timing, ..prepared.streams.clone() };
         Ok(watched(self.talk.quiet, |observe| gains(devices, &model, &settings, other.light(), self.rounds, observe))?)
     }
-}
-
-/// The angles of every layer, touch side first.
-pub(super) fn layers(prepared: &Prepared) -> Vec<LayerAngles> {
-    let stack = &prepared.scene().stack;
-    let n_0 = stack.surround_n;
-    let angles = |layer: &crate::scene::Layer| {
-        let n = layer.index(prepared.scene().light.wavelength_nm);
-        let accepted = acceptance_deg(n, n_0, n_0);
-        let note = match accepted {
-            None => Some(format!(
-                "everything launched from the surround is trapped: the index is at least sqrt(2) = {:.4} times that of the surround",
-                std::f64::consts::SQRT_2
-            )),
-            Some(0.0) => Some("nothing is trapped: the index is not above that of the surround".to_owned()),
-            Some(_) => None,
-        };
-        LayerAngles {
-            name: layer.name.clone(),
-            n,
-            thickness_mm: layer.thickness_mm,
-            acceptance_deg: accepted.unwrap_or(90.0),
-            critical_to_surround_deg: match critical_deg(n, n_0) {
-                Some(angle) => json!(angle),
-                None => json!({"undefined": "the index is not above that of the surround"}),
-            },
-            note,
-        }
-    };
-    stack.layer.iter().map(angles).collect()
 }
 
 fn cost_json(cost: &Cost) -> Value {

@@ -3,9 +3,10 @@
 //! To add a command: a file with a struct of its arguments (`clap::Args`, with [`Common`] or [`Talk`] flattened in) and
 //! a `run` that returns an [`Outcome`] or a [`Failure`]; a variant of `Command`; its arm in `Command::run`. `compare`
 //! is the shortest example. Long work polls [`cancel::check`], reports to a [`Progress`] and writes into an
-//! [`OutputFolder`].
+//! [`crate::output::OutputFolder`].
 
 pub mod cancel;
+mod command;
 mod compare;
 mod converge;
 mod demo;
@@ -19,7 +20,6 @@ mod frames;
 mod inspect;
 mod job;
 mod measure;
-mod output;
 mod page;
 mod press;
 mod press_files;
@@ -39,7 +39,6 @@ mod usage;
 
 pub use error::{Failure, Outcome};
 pub use flags::{Backend, Common, Precision, Talk};
-pub use output::OutputFolder;
 pub use progress::Progress;
 
 use clap::{Parser, Subcommand};

@@ -1,11 +1,11 @@
 //! The report of a run.
 
+use super::command::command_line;
 use super::facts::{figure, mean_radiance};
-use super::inspect::layers;
 use super::measure::SceneReading;
-use super::output::command_line;
 use super::press_files::PressPictures;
 use super::press_page::press_section;
+use super::regimes::layers;
 use super::regimes::regimes;
 use super::shot::{CameraPictures, Pictures};
 use super::truth::truth_table;
@@ -66,10 +66,6 @@ fn cards(shot: &Shot) -> Vec<(String, String)> {
     ]
 }
 
-pub(super) fn picture(svg: &str, alt: &str, caption: impl Into<String>) -> Item {
-    Item::Picture { svg: svg.to_owned(), alt: alt.to_owned(), caption: caption.into() }
-}
-
 fn camera(shot: &Shot, reading: &SceneReading, seen: &CameraPictures) -> Section {
     let sensor = &shot.prepared.scene().camera.sensor;
     let exposure = format!(
@@ -85,8 +81,8 @@ fn camera(shot: &Shot, reading: &SceneReading, seen: &CameraPictures) -> Section
     let caption =
         format!("{exposure}{frame} The line runs around the pixels above the threshold; the cross is their centroid.");
     let items = vec![
-        picture(&seen.false_color, "the measured frame in false colour", caption),
-        picture(&seen.relief, "relief of the grey levels", "The same grey levels as height."),
+        Item::picture(&seen.false_color, "the measured frame in false colour", caption),
+        Item::picture(&seen.relief, "relief of the grey levels", "The same grey levels as height."),
     ];
     Section { title: "What the camera sees".into(), items }
 }
@@ -117,8 +113,8 @@ fn light(shot: &Shot, pictures: &Pictures) -> Section {
     Section {
         title: "Light".into(),
         items: vec![
-            picture(&pictures.radiance, "radiance in false colour", caption),
-            picture(
+            Item::picture(&pictures.radiance, "radiance in false colour", caption),
+            Item::picture(
                 &pictures.side,
                 "the stack from the side with rays",
                 "Rays from the LEDs at the left and right wall, traced through the stack. They are picked to show each fate; \

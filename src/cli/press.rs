@@ -1,12 +1,14 @@
 //! `press`: mechanics only.
 
+use super::command;
 use super::facts::columns;
 use super::job::{load_scene, press_scene};
 use super::press_files::write_press;
 use super::press_page::press_report;
 use super::pressing::{PressFailure, press_rows};
-use super::{Failure, Outcome, OutputFolder, Talk, print};
+use super::{Failure, Outcome, Talk, print};
 use crate::mechanics::press::{PressError, Pressed};
+use crate::output::OutputFolder;
 use crate::pipeline::{PressSummary, Truth};
 use crate::scene::LoadedScene;
 use clap::Args;
@@ -73,7 +75,7 @@ impl Press {
         if let Some(failure) = stopped {
             result["error"] = failure.json()["error"].take();
         }
-        let done = folder.commit(Some(&loaded.text), result)?;
+        let done = command::commit(folder, Some(&loaded.text), result)?;
         let out = done.out;
         if stopped.is_some() {
             super::note(&format!("what was reached is in {out}"));

@@ -1,10 +1,11 @@
 //! Files and pictures of a press.
 
+use super::Failure;
 use super::press_vtu::write_vtu;
 use super::pressing::load_name;
-use super::{Failure, OutputFolder};
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::press::{Load, PressStep, Pressed, element_pressure};
+use crate::output::OutputFolder;
 use crate::pipeline::setting;
 use crate::report::{AxisName, ColorScale, Curve, CurvePlot, CurveStyle, Raster, curve_plot, false_color};
 use crate::report::{MeshBody, MeshPicture, MeshValues, mesh_picture};

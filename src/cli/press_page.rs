@@ -1,9 +1,8 @@
 //! What a report says of a press.
 
 use super::Failure;
+use super::command::command_line;
 use super::facts::figure;
-use super::output::command_line;
-use super::page::picture;
 use super::press_files::PressPictures;
 use super::pressing::{load_name, press_rows};
 use super::truth::truth_table;
@@ -53,11 +52,11 @@ pub(super) fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Sect
     let mut items = Vec::new();
     if let Some(mesh) = &pictures.mesh {
         let caption = "Section through the axis after the press, coloured by mean compressive stress.";
-        items.push(picture(mesh, "deformed mesh with pressure in colour", caption));
+        items.push(Item::picture(mesh, "deformed mesh with pressure in colour", caption));
     }
     let caption = "Pressure on the touched face. The peak is judged within 0.8 of its radius, under an indenter \
                    over all of it.";
-    items.push(picture(&pictures.pressure, "contact pressure", caption));
+    items.push(Item::picture(&pictures.pressure, "contact pressure", caption));
     let percent = |share: Option<f64>| share.map_or("-".to_owned(), |share| figure(100.0 * share));
     let rows = pressed.steps.iter().map(|step| {
         vec![

@@ -1,8 +1,9 @@
 //! A press for ParaView: deformed.vtu of the last load, those before it, and deformed.pvd, which lists them all.
 
-use super::{Failure, OutputFolder};
+use super::Failure;
 use crate::mechanics::mesh::Whole;
 use crate::mechanics::press::{PressStep, Pressed, element_least_jacobian, element_pressure, element_stress};
+use crate::output::OutputFolder;
 use crate::report::{Values, Vtu, VtuError};
 use std::fmt::Write;
 
@@ -22,7 +23,7 @@ pub(super) fn write_vtu(pressed: &Pressed, lift_mm: f64, folder: &OutputFolder) 
         return Ok(());
     }
     let head = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n";
-    folder.write("deformed.pvd", &format!("{head}<Collection>\n{list}</Collection>\n</VTKFile>\n"))
+    Ok(folder.write("deformed.pvd", &format!("{head}<Collection>\n{list}</Collection>\n</VTKFile>\n"))?)
 }
 
 fn vtu(pressed: &Pressed, step: &PressStep, wholes: &[Whole], lift_mm: f64) -> Result<Vtu, VtuError> {

@@ -1,12 +1,63 @@
 //! What a scene's numbers mean for its light, in sentences.
 
 use super::facts::figure;
-use super::inspect::LayerAngles;
+use crate::figure::Figure;
+use crate::optics::{acceptance_deg, critical_deg};
 use crate::pipeline::Prepared;
 use crate::scene::{Mount, Roughness, Shape};
+use serde::Serialize;
 
 /// Rounding of a cut-off that was copied from a table of acceptance angles, degrees.
 const COPIED_DEG: f64 = 1e-3;
+
+/// The angles of one layer.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct LayerAngles {
+    pub name: String,
+    pub n: f64,
+    pub thickness_mm: f64,
+    /// Largest angle to the edge's normal, in the surround, that is still trapped; 90: everything is.
+    pub acceptance_deg: f64,
+    /// Critical angle of total reflection to the surround.
+    critical_to_surround_deg: Figure,
+    /// Why the acceptance is 90 or 0, where it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
+}
+
+impl LayerAngles {
+    /// The critical angle to the surround in degrees, or a dash where there is none.
+    pub fn critical_text(&self) -> String {
+        self.critical_to_surround_deg.value().map_or("-".to_owned(), |v| format!("{v:.4}"))
+    }
+}
+
+/// The angles of every layer, touch side first.
+pub(super) fn layers(prepared: &Prepared) -> Vec<LayerAngles> {
+    let stack = &prepared.scene().stack;
+    let n_0 = stack.surround_n;
+    let angles = |layer: &crate::scene::Layer| {
+        let n = layer.index(prepared.scene().light.wavelength_nm);
+        let accepted = acceptance_deg(n, n_0, n_0);
+        let note = match accepted {
+            None => Some(format!(
+                "everything launched from the surround is trapped: the index is at least sqrt(2) = {:.4} times that of the surround",
+                std::f64::consts::SQRT_2
+            )),
+            Some(0.0) => Some("nothing is trapped: the index is not above that of the surround".to_owned()),
+            Some(_) => None,
+        };
+        LayerAngles {
+            name: layer.name.clone(),
+            n,
+            thickness_mm: layer.thickness_mm,
+            acceptance_deg: accepted.unwrap_or(90.0),
+            critical_to_surround_deg: Figure::of(critical_deg(n, n_0), "the index is not above that of the surround"),
+            note,
+        }
+    };
+    stack.layer.iter().map(angles).collect()
+}
 
 /// The sentences, from the LEDs to the camera.
 pub(super) fn regimes(prepared: &Prepared, layers: &[LayerAngles]) -> Vec<String> {

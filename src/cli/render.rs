@@ -1,8 +1,10 @@
 //! `render`: the light of a scene, as radiance and as the camera sees it.
 
+use super::command;
 use super::facts::{columns, facts, ledger};
 use super::job::Job;
-use super::{Common, Failure, Outcome, OutputFolder, print};
+use super::{Common, Failure, Outcome, print};
+use crate::output::OutputFolder;
 use crate::pipeline::Truth;
 use clap::Args;
 use serde_json::json;
@@ -31,7 +33,7 @@ impl Render {
         summary.stages_seconds.files = pictures.files_seconds;
         let mut result = json!(summary);
         result["truth"] = json!(truth);
-        let done = folder.commit(Some(&job.loaded.text), result)?;
+        let done = command::commit(folder, Some(&job.loaded.text), result)?;
         if common.talk.json {
             print(&done.json)?;
         } else {

@@ -1,5 +1,6 @@
 //! `run`: from a scene to estimates and a report.
 
+use super::command;
 use super::facts::{columns, facts, figure, interval, ledger};
 use super::job::Job;
 use super::measure::SceneReading;
@@ -7,9 +8,10 @@ use super::page::report;
 use super::press_files::write_press;
 use super::pressing::press_rows;
 use super::truth::truth_rows;
-use super::{Common, Failure, Outcome, OutputFolder, print};
+use super::{Common, Failure, Outcome, print};
 use crate::estimate::Value as Estimate;
 use crate::mechanics::press::Load;
+use crate::output::OutputFolder;
 use crate::pipeline::{NO_MECHANICS, Prepared, Reading, Reference, Shot, Truth};
 use clap::Args;
 use serde_json::{Value, json};
@@ -81,7 +83,7 @@ pub(super) fn whole_job(
     summary.shot.stages_seconds.files = pictures.files_seconds;
     let mut result = json!(summary);
     result["earlier_frames"] = json!(earlier);
-    let done = folder.commit(Some(&job.loaded.text), result)?;
+    let done = command::commit(folder, Some(&job.loaded.text), result)?;
     match common.talk.json {
         true => print(&done.json)?,
         false => print(&text(&shot, &figures, &summary.truth, &done.out))?,

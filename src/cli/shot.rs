@@ -1,12 +1,13 @@
 //! What is said and shown of a shot, and its files.
 
+use super::command::command_of_light;
 use super::facts::figure;
 use super::measure::marks;
-use super::output::command_of_light;
 use super::side::side_picture;
-use super::{Failure, OutputFolder, note};
+use super::{Failure, note};
 use crate::camera::Suited;
 use crate::film::RADIANCE_UNIT;
+use crate::output::OutputFolder;
 use crate::pipeline::{Reading, Shot};
 use crate::report::{ColorScale, Raster, false_color, false_color_with, relief};
 use std::time::Instant;

@@ -3,9 +3,11 @@
 mod pictures;
 mod table;
 
+use super::command;
+use super::command::described;
 use super::flags::Backend;
-use super::output::described;
-use super::{Failure, Outcome, OutputFolder, Progress, Talk, cancel, note, print};
+use super::{Failure, Outcome, Progress, Talk, cancel, note, print};
+use crate::output::OutputFolder;
 use crate::stability::{CHECKS, Context, Row, Tracer, membrane};
 use crate::trace::TraceError;
 use crate::trace::gpu::Gpu;
@@ -52,7 +54,7 @@ impl Stability {
             Some(folder) => {
                 folder.write("stability.csv", &table::csv(&rows)?)?;
                 pictures::write(&context, &folder)?;
-                let done = folder.commit(None, result)?;
+                let done = command::commit(folder, None, result)?;
                 (Some(done.out), done.json)
             }
             None => (None, described(result, None).to_string()),

@@ -67,6 +67,11 @@ pub struct Table {
 }
 
 impl Item {
+    /// A picture.
+    pub fn picture(svg: &str, alt: &str, caption: impl Into<String>) -> Self {
+        Self::Picture { svg: svg.to_owned(), alt: alt.to_owned(), caption: caption.into() }
+    }
+
     /// The paper's figures of one image as a table of values.
     pub fn from_paper(paper: &PaperEstimate) -> Self {
         let row = |name: &str, unit: &str, value: Value| (name.to_owned(), unit.to_owned(), value);

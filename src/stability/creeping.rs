@@ -2,7 +2,6 @@
 //! point, nearly in the tangent plane. The search for the next crossing has its hardest work there.
 
 use super::tracer::Start;
-use super::watch::Seen;
 use crate::trace::Model;
 use crate::trace::cpu::vec3::{V3, v3};
 use crate::trace::cpu::{Limits, Path};
@@ -18,11 +17,7 @@ const BACK_MM: f64 = 1.5;
 /// How far it must then be from both faces of the layer, mm.
 const CLEAR_MM: f64 = 1e-4;
 /// Steps that a ray is followed for.
-const STEPS: u32 = 64;
-
-/// Furthest that such a ray may be beyond its layer, mm: along a concave face each bounce takes it out by the rounding
-/// of a height, 1e-6 mm, which the search adds to the gap so that it gets on.
-pub const BEYOND_MM: f64 = Seen::WRONG_LAYER_MM + 1e-6 * STEPS as f64;
+pub const STEPS: u32 = 64;
 
 /// Rays along each interface of a model that is a height field; none where there is no such interface.
 pub fn starts(model: &Model<f64>) -> Vec<Start> {

@@ -162,7 +162,7 @@ pub fn watched_paths(context: &Context) -> Result<Vec<Row>, StabilityError> {
         along,
         format!("{} rays along height fields", along.paths),
         none,
-        (creeping::BEYOND_MM, layers[1]),
+        (Seen::CREEPING_MM, layers[1]),
     ));
     Ok(rows)
 }

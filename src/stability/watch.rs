@@ -60,6 +60,9 @@ impl Seen {
     /// Newton step (1e-6 in units of the momentum) and a cap the cancellation in its quadratic (some ulps of 100 mm^2
     /// over a radius of 10 mm).
     pub const WRONG_LAYER_MM: f64 = 3e-5;
+    /// The same of a ray along a height field: along a concave face each bounce takes it out by the rounding of a
+    /// height, 1e-6 mm, which the search adds to the gap so that it gets on.
+    pub const CREEPING_MM: f64 = Self::WRONG_LAYER_MM + 1e-6 * creeping::STEPS as f64;
     /// Largest |p| / n - 1: it is rounded some tens of times a bounce.
     pub const MOMENTUM: f64 = 1e-5;
 

@@ -4,94 +4,15 @@
 //! which compiles in a device's queue, compiles both kernels at once (docs/decisions/two-devices.md).
 
 use super::cpu::{self, Limits, book, camera::View, photons::Deposits};
+use super::error::TraceError;
 use super::finite;
 use super::gpu::assemble::Entry;
 use super::gpu::{Gpu, GpuTracer};
 use super::model::{Model, Real};
+use super::modes::{CameraMode, Fates, PhotonMode, deposit_cells};
 use super::plan::Method;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use thiserror::Error;
-
-/// Why a render failed.
-#[derive(Debug, Error)]
-pub enum TraceError {
-    /// A GPU was asked for and none is there.
-    #[error(
-        "no Vulkan, Metal or DX12 adapter found; use --backend cpu, or install a driver (lavapipe: mesa-vulkan-drivers)"
-    )]
-    NoAdapter,
-    /// The device went away.
-    #[error("the GPU device was lost ({0}); nothing was written")]
-    DeviceLost(String),
-    /// A buffer exceeds what the device offers.
-    #[error("{what} needs {needed} bytes, the device allows {allowed}; use fewer pixels or texels, or --backend cpu")]
-    Memory {
-        /// What needs it.
-        what: &'static str,
-        /// Bytes needed.
-        needed: u64,
-        /// Bytes allowed.
-        allowed: u64,
-    },
-    /// The driver refused something.
-    #[error("the GPU driver refused a command: {0}")]
-    Driver(String),
-    /// Paths got lost: an error of geometry or of the program.
-    #[error("{lost} of {sent} {what} were lost in the geometry; the image cannot be trusted")]
-    Lost {
-        /// Photons or camera paths.
-        what: &'static str,
-        /// Lost ones.
-        lost: u64,
-        /// All of them.
-        sent: u64,
-    },
-    /// Too much light was cut off.
-    #[error("{share:.1e} of the {what} was cut off by the cap on interactions; the image cannot be trusted")]
-    Truncated {
-        /// The light, or the weight of the camera paths.
-        what: &'static str,
-        /// Share of it.
-        share: f64,
-    },
-    /// Sums of light that do not hold it.
-    #[error("{full} of {of} {what} were given more light than their sums hold; the image cannot be trusted")]
-    Overflow {
-        /// Pixels, or cells of the map.
-        what: &'static str,
-        /// Sums that are full.
-        full: usize,
-        /// All of them.
-        of: usize,
-    },
-    /// A number of the model that is none.
-    #[error(
-        "{what} comes to {value} in the tracer's {precision}: it must be finite; check what the scene gives for it"
-    )]
-    NotFinite {
-        /// Which number.
-        what: String,
-        /// What it is.
-        value: f64,
-        /// `f32` or `f64`.
-        precision: &'static str,
-    },
-    /// The driver ended loops before their time.
-    #[error("the GPU driver ended loops early: {finished} of {sent} paths were traced; use --backend cpu")]
-    CutShort {
-        /// Paths that came to their end.
-        finished: u64,
-        /// Paths asked for.
-        sent: u64,
-    },
-    /// The user stopped it.
-    #[error("stopped; nothing was written")]
-    Stopped,
-    /// The method does not fit the scene.
-    #[error("{0}")]
-    Unsuited(String),
-}
 
 /// Which backend is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -113,58 +34,6 @@ pub enum Precision {
     F32,
     /// For reference.
     F64,
-}
-
-/// What a camera path does at tissue.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum CameraMode {
-    /// Follows the path until it meets an LED.
-    Path,
-    /// Reads the exitance map.
-    Mapped,
-    /// Leaves out paths whose first tissue is reached straight, which `splat` finds.
-    Complement,
-}
-
-/// What photons leave behind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum PhotonMode {
-    /// Only the ledger.
-    Ledger,
-    /// The irradiance map.
-    Map,
-    /// The splat film.
-    Splat,
-}
-
-/// What became of camera paths beside their light.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Fates {
-    /// Segments traced.
-    pub segments: u64,
-    /// Lost paths.
-    pub lost: u64,
-    /// Weight that the cap on interactions cut off, in units of 1 / [`cpu::UNIT`] path.
-    pub cut_off: u64,
-}
-
-impl Fates {
-    /// Of the bookings of some paths.
-    pub fn of(tally: &[i64; book::SLOTS]) -> Self {
-        let [segments, lost, cut_off] =
-            [book::SEGMENTS, book::LOST, book::TERMINATED].map(|slot| tally[slot].max(0) as u64);
-        Self { segments, lost, cut_off }
-    }
-
-    /// Both together.
-    #[must_use]
-    pub fn and(self, other: Self) -> Self {
-        Self {
-            segments: self.segments + other.segments,
-            lost: self.lost + other.lost,
-            cut_off: self.cut_off + other.cut_off,
-        }
-    }
 }
 
 /// What traces: devices that stay open from image to image, with the kernels built on them, or the built-in tracer.
@@ -463,14 +332,5 @@ impl<T: Real> CpuTracer<T> {
 
     fn read_photons(&self) -> ([i64; book::SLOTS], Vec<u64>) {
         (self.tally, self.deposits.iter().map(|d| d.load(Ordering::Relaxed)).collect())
-    }
-}
-
-/// Cells that photons deposit into: two per texel, or one per pixel.
-pub(super) fn deposit_cells<T: Real>(model: &Model<T>, mode: PhotonMode) -> usize {
-    match mode {
-        PhotonMode::Ledger => 1,
-        PhotonMode::Map => 2 * model.map_size[0] * model.map_size[1],
-        PhotonMode::Splat => model.camera.size[0] as usize * model.camera.size[1] as usize,
     }
 }

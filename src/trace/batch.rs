@@ -1,10 +1,12 @@
 //! Replicates: independent estimates of the whole image, traced in chunks of well under a second.
 
-use super::backend::{Backend, CameraMode, Fates, PhotonMode, TraceError};
+use super::backend::Backend;
 use super::cpu::{UNIT, book, camera::FILM_UNIT, photons::DEPOSIT_UNIT, random::pcg3d};
+use super::error::TraceError;
 use super::exitance::{ContactLight, Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;
+use super::modes::{CameraMode, Fates, PhotonMode};
 use super::plan::Method;
 use super::unfold::direct_light;
 use crate::film::Ledger;

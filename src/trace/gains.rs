@@ -1,9 +1,10 @@
 //! What it gains to leave out what a scene does not need: the same image with pieces of the kernels, or stages, that it
 //! has no use for, against the image without, alternating in one run.
 
-use super::backend::{Devices, TraceError};
-use super::kernel::{Kernel, ShapePiece, Spare};
-use super::model::{Camera, FieldShape, Heights, Model, Shape, Tissue};
+use super::backend::Devices;
+use super::error::TraceError;
+use super::kernel::{Kernel, ShapePiece};
+use super::model::{Camera, FieldShape, Heights, Model, Shape, Spare, Tissue};
 use super::render::{Settings, render};
 use super::scatter::Scatter;
 use crate::film::compare::compare;

@@ -1,7 +1,7 @@
 //! What a scene needs of the kernels, and what it leaves out.
 
 use super::constants::Finish;
-use super::model::{Heights, Model, Real, Shape, Walls};
+use super::model::{Heights, Model, Real, Shape, Spare, Walls};
 
 /// Pieces of the kernels that a scene needs. The GPU assembles its WGSL from them, the twin branches on them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,28 +53,6 @@ pub enum ShapePiece {
     Profile,
     /// Triangles.
     Mesh,
-}
-
-/// A piece that a kernel can carry without a use for it. The image is the same, the time is not (on a GPU; the twin in
-/// Rust branches on few of them).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Spare {
-    /// A search on both faces of a layer.
-    DeformedPairs,
-    /// Exponentials.
-    Absorption,
-    /// Both models of roughness.
-    Roughness,
-    /// Tabulated patterns.
-    LedTables,
-    /// Cosine-power patterns.
-    CosinePower,
-    /// Points on a lens.
-    Lens,
-    /// Photons that can meet no tissue.
-    Astray,
-    /// Photons for light that unfolding finds.
-    Direct,
 }
 
 impl Kernel {

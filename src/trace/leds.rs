@@ -6,7 +6,7 @@
 //! (docs/decisions/launch.md).
 
 use super::constants::TABLE_EDGE;
-use super::model::Real;
+use super::real::Real;
 use crate::scene::{self, IesTable, LoadedScene, Mount, Pattern, Wall, read_ies};
 use crate::surface::SurfaceError;
 use std::f64::consts::{PI, TAU};

@@ -4,10 +4,31 @@
 //! surround above. Interface i lies between layers i and i + 1.
 
 use super::constants::Finish;
-use super::kernel::Spare;
 use super::leds::Led;
 pub use super::real::Real;
 use super::scatter::Scatter;
+
+/// A piece that a kernel can carry without a use for it. The image is the same, the time is not (on a GPU; the twin in
+/// Rust branches on few of them).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Spare {
+    /// A search on both faces of a layer.
+    DeformedPairs,
+    /// Exponentials.
+    Absorption,
+    /// Both models of roughness.
+    Roughness,
+    /// Tabulated patterns.
+    LedTables,
+    /// Cosine-power patterns.
+    CosinePower,
+    /// Points on a lens.
+    Lens,
+    /// Photons that can meet no tissue.
+    Astray,
+    /// Photons for light that unfolding finds.
+    Direct,
+}
 
 /// Side walls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

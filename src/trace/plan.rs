@@ -1,7 +1,8 @@
 //! Which method finds the light of a scene, and why.
 
-use super::backend::{CameraMode, PhotonMode, TraceError};
+use super::error::TraceError;
 use super::kernel::Kernel;
+use super::modes::{CameraMode, PhotonMode};
 use crate::scene::Integrator;
 
 /// A light-transport method.

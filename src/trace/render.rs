@@ -4,8 +4,9 @@
 //! variance of the mean comes from their spread, for pixels and for blocks of pixels, because neighbours share photons.
 //! Within a replicate sums are 64-bit fixed point, so they do not depend on the order of the work.
 
-use super::backend::{Backend, Devices, TraceError};
+use super::backend::{Backend, Devices};
 use super::batch::{Batch, Pacer, Times, Totals, Work};
+use super::error::TraceError;
 use super::exitance::{Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;

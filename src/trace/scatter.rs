@@ -6,7 +6,7 @@
 //! mu_i that leaves at mu_o this is off by exactly the product over both k of (mu_i - mu_k)(mu_o - mu_k) / ((mu_i +
 //! mu_k)(mu_o + mu_k)), as the determinants of Cauchy's matrix have it.
 
-use super::model::Real;
+use super::real::Real;
 use crate::optics::fresnel;
 use crate::optics::tissue::{self, POINTS};
 

@@ -98,7 +98,7 @@ fn a_map_larger_than_the_device_allows_is_refused() {
     let mut model = Case::preset("contact-disc").model([8, 6]);
     model.map_size = [65_535, 65_535];
     let mut backend = gpu(adapter, &model);
-    let found = backend.clear_photons(tirtouch::trace::backend::PhotonMode::Map);
+    let found = backend.clear_photons(tirtouch::trace::modes::PhotonMode::Map);
     assert!(matches!(found, Err(TraceError::Memory { what: "photon deposits", .. })), "{found:?}");
 }
 

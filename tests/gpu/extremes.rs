@@ -4,7 +4,6 @@ use crate::scenes::{Case, variants};
 use crate::watch::{Seen, assert_sound, direction};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 use tirtouch::scene::{Scene, Shape, Walls};
-use tirtouch::stability::creeping::BEYOND_MM;
 use tirtouch::trace::Model;
 use tirtouch::trace::cpu::vec3::v3;
 use tirtouch::trace::cpu::{End, Limits, Path};
@@ -64,7 +63,7 @@ fn rays_along_height_fields_keep_their_place() {
         let seen = Seen::along(&Case::named(name).model([4, 3]));
         println!("{name}: {seen:?}");
         assert!(seen.paths > 1000, "{name}: {seen:?}");
-        assert!(seen.wrong_layer_mm <= BEYOND_MM, "{name}: {seen:?}");
+        assert!(seen.wrong_layer_mm <= Seen::CREEPING_MM, "{name}: {seen:?}");
         assert_sound(&Seen { wrong_layer_mm: 0.0, ..seen }, name);
         assert_eq!(seen.lost, 0, "{name}: {seen:?}");
     }

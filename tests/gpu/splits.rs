@@ -3,7 +3,8 @@
 use crate::adapter::require_gpu;
 use crate::films::{f64_twin, gpu};
 use crate::scenes::Case;
-use tirtouch::trace::backend::{CameraMode, CpuTracer, Fates, PhotonMode};
+use tirtouch::trace::backend::CpuTracer;
+use tirtouch::trace::modes::{CameraMode, Fates, PhotonMode};
 use tirtouch::trace::{Backend, Model};
 
 const SIZE: [u32; 2] = [24, 18];

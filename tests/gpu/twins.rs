@@ -12,7 +12,6 @@ use crate::scenes::{Case, at_once, presets, variants};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
 use tirtouch::scene::{Integrator, Walls};
-use tirtouch::trace::backend::{CameraMode, PhotonMode};
 use tirtouch::trace::constants::{EVENT_END, EVENTS};
 use tirtouch::trace::cpu::camera::View;
 use tirtouch::trace::cpu::photons::Deposits;
@@ -20,6 +19,7 @@ use tirtouch::trace::cpu::{Event, Limits, Path};
 use tirtouch::trace::gpu::assemble::{Entry, source};
 use tirtouch::trace::gpu::{Gpu, GpuTracer};
 use tirtouch::trace::model::Real;
+use tirtouch::trace::modes::{CameraMode, PhotonMode};
 use tirtouch::trace::{Backend, Kernel, Model, Plan};
 
 /// 64 x 48 paths of each kind a scene.

@@ -3,9 +3,9 @@
 use crate::bench::{self, close};
 use tirtouch::optics::{acceptance_deg, critical_deg};
 use tirtouch::scene::{Mount, Walls};
-use tirtouch::trace::backend::PhotonMode;
 use tirtouch::trace::cpu::{End, Path, book, vec3::V3};
 use tirtouch::trace::model::Real;
+use tirtouch::trace::modes::PhotonMode;
 
 /// Index pairs and critical angles as listed, degrees.
 const CRITICAL: [(f64, f64, f64); 7] = [

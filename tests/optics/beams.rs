@@ -9,8 +9,8 @@ use crate::bench::{self, Share, close};
 use std::f64::consts::PI;
 use tirtouch::optics::fresnel::{lambertian_mean, reflectance};
 use tirtouch::scene::{Contact, ContactLaw, LoadedScene, Pressure, Tissue};
-use tirtouch::trace::backend::CameraMode;
 use tirtouch::trace::cpu::camera::FILM_UNIT;
+use tirtouch::trace::modes::CameraMode;
 use tirtouch::trace::{Backend, Model};
 
 const PIXELS: u32 = 1024;

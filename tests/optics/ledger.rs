@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use tirtouch::optics::reflectance;
 use tirtouch::scene::{self, Mount};
 use tirtouch::trace::Method;
-use tirtouch::trace::backend::{CameraMode, PhotonMode};
 use tirtouch::trace::batch::{Batch, Pacer, Totals};
 use tirtouch::trace::cpu::book;
+use tirtouch::trace::modes::{CameraMode, PhotonMode};
 
 #[test]
 fn emitted_light_is_accounted_for_to_1e_6_on_every_preset() {

@@ -1,7 +1,6 @@
 //! Climbs the ladders of a scene, rung by rung.
 
 use super::Only;
-use super::records::Records;
 use crate::cli::facts::figure;
 use crate::cli::job::watched;
 use crate::cli::pressing::PressFailure;
@@ -11,6 +10,7 @@ use crate::converge::mechanics::{self, Found as PressFound};
 use crate::converge::{Rung, is_lit};
 use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::press::{Load, PressError, PressSettings, Pressed, press};
+use crate::output::Records;
 use crate::progress::Stage;
 use crate::scene::LoadedScene;
 use crate::trace::{Devices, Settings};
@@ -125,7 +125,7 @@ impl Climb<'_> {
                 progress.observe(f64::from(reference.spp) / total * stage.done, "reference");
                 !cancel::requested()
             };
-            Ok(subject.render_reference(&reference, observe)?)
+            Ok::<_, Failure>(subject.render_reference(&reference, observe)?)
         })?;
         if film.mean.iter().all(|&mean| mean == 0.0) || !is_lit(&film).contains(&true) {
             return Ok(Err("the image is dark: it has no relative error".to_owned()));
@@ -140,7 +140,7 @@ impl Climb<'_> {
                     progress.observe((before + stage.done * cost(choice)) / total, &choice.setting);
                     !cancel::requested()
                 };
-                Ok(subject.measure(choice, &film, observe)?)
+                Ok::<_, Failure>(subject.measure(choice, &film, observe)?)
             })?;
             rungs.extend(found);
             before += cost(choice);

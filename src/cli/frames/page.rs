@@ -16,7 +16,7 @@ pub(super) fn report(reading: &Reading, pictures: &Pictures) -> Report {
         let rows = computed.facts().into_iter().map(|(name, value)| vec![name, value]).collect();
         let columns = ["figure", "value"].map(str::to_owned).to_vec();
         let table = Table { caption: "How it was computed".to_owned(), columns, rows };
-        let mut items = vec![picture(svg, "deformed mesh with pressure", caption), Item::Table(table)];
+        let mut items = vec![Item::picture(svg, "deformed mesh with pressure", caption), Item::Table(table)];
         items.extend(truth_table(&source.truth));
         sections.push(Section { title: "Mechanics".to_owned(), items });
     }
@@ -46,18 +46,14 @@ fn cards(reading: &Reading) -> Vec<(String, String)> {
     cards
 }
 
-fn picture(svg: &str, alt: &str, caption: impl Into<String>) -> Item {
-    Item::Picture { svg: svg.to_owned(), alt: alt.to_owned(), caption: caption.into() }
-}
-
 fn frames(reading: &Reading, pictures: &Pictures) -> Section {
     let mut items = vec![
-        picture(
+        Item::picture(
             &pictures.frames,
             "frames in false colour",
             "Each frame is a horizontal stripe (figure 5 of Galea and Howe).",
         ),
-        picture(
+        Item::picture(
             &pictures.frame,
             "one frame with its parabola",
             format!("One frame with its fit (their figure 4). The reference is {}.", reading.source.reference_name()),
@@ -91,9 +87,9 @@ fn features(reading: &Reading, pictures: &Pictures) -> Section {
     );
     let items = vec![
         Item::Text(text),
-        picture(&pictures.pressure, "peak and base against position", "Peak and base."),
-        picture(&pictures.width, "width against position", "Width."),
-        picture(&pictures.eccentricity, "eccentricity against position", "Eccentricity."),
+        Item::picture(&pictures.pressure, "peak and base against position", "Peak and base."),
+        Item::picture(&pictures.width, "width against position", "Width."),
+        Item::picture(&pictures.eccentricity, "eccentricity against position", "Eccentricity."),
         Item::Table(table),
     ];
     Section { title: "Features".to_owned(), items }

@@ -1,6 +1,7 @@
 //! Curves of the extreme cases.
 
-use crate::cli::{Failure, OutputFolder};
+use crate::cli::Failure;
+use crate::output::OutputFolder;
 use crate::report::{AxisName, Curve, CurvePlot, CurveStyle, LogPlot, LogPoint, LogSeries, LogStyle};
 use crate::report::{curve_plot, log_plot};
 use crate::stability::{
@@ -21,7 +22,7 @@ pub(super) fn write(context: &Context, folder: &OutputFolder) -> Result<(), Fail
     folder.write("reflectance.svg", &reflectance(context)?)?;
     folder.write("reflectance_error.svg", &reflectance_error(context)?)?;
     folder.write("drift.svg", &drift(context)?)?;
-    folder.write("pressure.svg", &pressure()?)
+    Ok(folder.write("pressure.svg", &pressure()?)?)
 }
 
 /// Reflectance within a tenth of a milliradian of the critical angle of a small step.

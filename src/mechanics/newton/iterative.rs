@@ -14,8 +14,6 @@ use crate::mechanics::problem::Traction;
 use crate::mechanics::solid::ElementSystem;
 use rayon::prelude::*;
 
-/// Bulk modulus in the displacements' block, in shear moduli.
-pub(super) const BULK: f64 = 2.0;
 /// Spring of contacts there, in springs as stiff as the body: with few, tractions at the edge of a tied face are slow
 /// to be found.
 pub(super) const CONTACT: f64 = 128.0;

@@ -1,6 +1,5 @@
 //! Newton's linear system: residual, tangent, step.
 
-use super::iterative::BULK;
 use super::krylov::gmres;
 use super::touch::{Hold, Touching, pushes};
 use super::{Balance, CHUNK, Change, FLOOR_STRAIN, HELD, Method, Solver, StepError};
@@ -11,6 +10,9 @@ use crate::mechanics::problem::{Problem, State};
 use crate::mechanics::solid::ElementSystem;
 use crate::mechanics::sparse::{SparseCholesky, SparseError};
 use rayon::prelude::*;
+
+/// Bulk modulus in the displacements' block that multigrid takes, in shear moduli.
+pub(super) const BULK: f64 = 2.0;
 
 /// Least residual of what is not symmetric, as a share of the first, and most directions, each of one solve: more than
 /// it has ranks, for near a snap all of them count.

@@ -1,34 +1,11 @@
 //! Error of a press, from a second one on a coarser mesh, and from a third by a rounder edge.
 
-use super::run::{JUDGED_SHARE, Ready, is_judged};
-use super::{ContactPoint, Load, PressError, Pressed, SensorBody, Setup};
+use super::pressed::{JUDGED_SHARE, Pressed, PressureError, Rounding, is_judged};
+use super::ready::Ready;
+use super::{ContactPoint, Load, PressError, SensorBody, Setup};
 use crate::mechanics::contact::Profile;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::newton::Method;
-
-/// Estimated error of a press at one load.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PressureError {
-    /// Root mean square of the pressure's error over 0.8 of the footprint's radius (all of the face under an indenter),
-    /// as a share of the pressure's own: that of the mesh.
-    pub rms: f64,
-    /// Error of the force, as a share of it: that of the mesh.
-    pub force: f64,
-    /// What a sharp edge in place of a rigid sensor's rounded one would change, where the sensor slides.
-    pub rounding: Option<Rounding>,
-}
-
-/// What the rounding of a rigid sensor's edge does: the face in contact ends before the outline. The edge is rounded
-/// twice as far for it. What that changes a sharp edge changes the other way if the change is as the radius (a face
-/// pressed little), 1.7 times as much if it is as its power 2/3 (a face that the press bends around the arc). The
-/// factor of safety covers both.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rounding {
-    /// Root mean square change of the pressure over 0.8 of the footprint's radius, as a share of it.
-    pub rms: f64,
-    /// Change of the force, as a share of it.
-    pub force: f64,
-}
 
 /// Orders of convergence. Of the pressure as the elements have it, and of all that the singular edge spoils: the force,
 /// and the pressure that it sends inwards. The edge of a body bonded to a much stiffer one moves as the root of the

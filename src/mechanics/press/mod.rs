@@ -18,6 +18,8 @@ mod cost;
 mod error;
 pub mod error_estimate;
 mod load;
+mod pressed;
+mod ready;
 mod run;
 mod setup;
 mod tilt;
@@ -27,8 +29,8 @@ pub use assembly::Assembly;
 pub use contact_curve::{ContactPoint, contact_points};
 pub use cost::Cost;
 pub use error::PressError;
-pub use error_estimate::{PressureError, Rounding};
-pub use run::{PressSettings, PressStep, Pressed, press, press_near};
+pub use pressed::{PressStep, Pressed, PressureError, Rounding};
+pub use run::{PressSettings, press, press_near};
 pub use setup::{Load, Pose, SensorBody, Setup};
 
 #[cfg(test)]

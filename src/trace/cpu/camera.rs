@@ -6,9 +6,9 @@
 use super::fresnel::fresnel;
 use super::vec3::v3;
 use super::{End, Limits, Path, V3, book, units};
-use crate::trace::backend::Fates;
 use crate::trace::constants::{EVENT_END, EVENT_TISSUE, Finish, REFLECTED};
 use crate::trace::model::{Model, Real, Tissue};
+use crate::trace::modes::Fates;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 

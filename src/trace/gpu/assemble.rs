@@ -15,12 +15,12 @@
 //! spare.
 
 use super::layout::{self, Numbers, Wgsl as _};
-use crate::trace::backend::{CameraMode, PhotonMode};
 use crate::trace::constants;
 use crate::trace::cpu::Limits;
 use crate::trace::kernel::{Kernel, ShapePiece};
 use crate::trace::leds::Led;
 use crate::trace::model::{Face, Heights, Layer, Model, Shape};
+use crate::trace::modes::{CameraMode, PhotonMode};
 use crate::trace::scatter::Scatter;
 
 macro_rules! piece {

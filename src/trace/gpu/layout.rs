@@ -224,8 +224,8 @@ pub fn shape(m: &Model<f32>) -> (Vec<f32>, Vec<f32>) {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::trace::backend::CameraMode;
     use crate::trace::gpu::assemble::{Entry, source};
+    use crate::trace::modes::CameraMode;
 
     #[test]
     fn uniforms_have_the_offsets_that_naga_sees() {

@@ -9,8 +9,7 @@ use crate::surface::{ContactMap, Surface, contact_map};
 use crate::trace::cpu::Limits;
 use crate::trace::cpu::photons::{DEPOSIT_UNIT, Deposits, send};
 use crate::trace::exitance::tissue_share;
-use crate::trace::kernel::Spare;
-use crate::trace::model::Tissue;
+use crate::trace::model::{Spare, Tissue};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -6,18 +6,19 @@
 //! of Lustre) still creates a file once only: there a file that a killed run left has to be removed by hand, and the
 //! message says so.
 
-use crate::cli::{Failure, cancel};
+use super::leftovers::leftovers;
+use super::{OutputError, Remedy};
 use std::fs::{File, TryLockError};
 use std::io::{Error, ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
 /// The right to write one folder. Dropping it removes all that is not in its place.
 #[derive(Debug)]
-pub(in crate::cli) struct Claim {
+pub struct Claim {
     /// Where the folder grows.
-    pub partial: PathBuf,
+    pub(super) partial: PathBuf,
     /// Where an old folder waits while a new one takes its place.
-    pub replaced: PathBuf,
+    pub(super) replaced: PathBuf,
     lock: PathBuf,
     /// Locked; None where there are no locks.
     _held: Option<File>,
@@ -30,43 +31,39 @@ impl Claim {
     ///
     /// # Errors
     /// When another run has it, it is not a name for a folder, or its parent cannot be written.
-    pub fn take(destination: &Path) -> Result<Self, Failure> {
-        let shown = destination.display();
+    pub fn take(destination: &Path) -> Result<Self, OutputError> {
+        let refused = |why: &str, remedy| OutputError::refused(destination, why, remedy);
         let Some(name) = destination.file_name() else {
-            return Err(Failure::input(format!("{shown}: not a name for a new folder")).in_file(destination));
+            return Err(refused("not a name for a new folder", Remedy::Mend));
         };
         let parent = match destination.parent() {
             Some(parent) if parent != Path::new("") => parent,
             _ => Path::new("."),
         };
-        let unwritable = |error: Error| {
-            Failure::input(format!("{}: no folder can be made there: {error}", parent.display())).in_file(parent)
-        };
+        let unwritable =
+            |error: Error| OutputError::refused(parent, format!("no folder can be made there: {error}"), Remedy::Mend);
         let parents = NewParents::make(parent).map_err(unwritable)?;
         let beside = |kind: &str| parent.join(format!(".{}.tirtouch.{kind}", name.to_string_lossy()));
         let lock = beside("lock");
         let held = match hold(&lock).map_err(unwritable)? {
             Hold::Locked(file) => Some(file),
             Hold::Created => None,
-            Hold::Taken => {
-                let message = format!("{shown}: another run is writing it; `--out` names another folder");
-                return Err(Failure::input(message).in_file(destination));
-            }
+            Hold::Taken => return Err(refused("another run is writing it", Remedy::Elsewhere)),
             Hold::Unknown => {
-                let message = format!(
-                    "{shown}: another run is writing it, or was killed (this file system has no locks to tell by); \
-                     where none is, remove {}",
+                let why = format!(
+                    "another run is writing it, or was killed (this file system has no locks to tell by); where none \
+                     is, remove {}",
                     lock.display()
                 );
-                return Err(Failure::input(message).in_file(destination));
+                return Err(refused(&why, Remedy::Mend));
             }
         };
         let claim = Self { partial: beside("partial"), replaced: beside("replaced"), lock, _held: held, parents };
-        let mut ending = cancel::ending();
-        ending.remove(&claim.partial);
-        ending.remove(&claim.lock);
-        ending.remove_empty(&claim.parents.0);
-        drop(ending);
+        let mut left = leftovers();
+        left.remove(&claim.partial);
+        left.remove(&claim.lock);
+        left.remove_empty(&claim.parents.0);
+        drop(left);
         claim.sweep(destination).map_err(unwritable)?;
         Ok(claim)
     }
@@ -89,12 +86,12 @@ impl Claim {
 impl Drop for Claim {
     fn drop(&mut self) {
         // No end at once in between: it would remove the file of whoever comes next.
-        let mut ending = cancel::ending();
+        let mut left = leftovers();
         let _ = std::fs::remove_dir_all(&self.partial);
         // While it is still locked: whoever waits for it sees that the name is gone.
         let _ = std::fs::remove_file(&self.lock);
-        ending.spare(&self.partial);
-        ending.spare(&self.lock);
+        left.spare(&self.partial);
+        left.spare(&self.lock);
     }
 }
 
@@ -187,8 +184,7 @@ mod tests {
         let folder = place.path().join("result");
         let first = Claim::take(&folder).unwrap();
         let second = Claim::take(&folder).unwrap_err();
-        assert_eq!(second.code(), 2);
-        assert!(second.message().contains("another run"), "{}", second.message());
+        assert!(second.to_string().contains("another run"), "{second}");
         Claim::take(&place.path().join("other")).unwrap();
         drop(first);
         drop(Claim::take(&folder).unwrap());

@@ -4,16 +4,16 @@
 //! lists all files, for `sha256sum -c` and for `--force`: a folder is replaced only while it holds those files and
 //! nothing else.
 
-use crate::cli::Failure;
+use super::{OutputError, Remedy};
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The scene as read.
-pub(in crate::cli) const SCENE: &str = "scene.toml";
-/// What `--json` prints.
-pub(in crate::cli) const RESULT: &str = "result.json";
+/// File of the scene as read.
+pub const SCENE: &str = "scene.toml";
+/// File of the result, as JSON.
+pub const RESULT: &str = "result.json";
 /// The list of all other files.
 const SUMS: &str = "SHA256SUMS";
 /// Its first line: `sha256sum` takes it for a comment.
@@ -21,38 +21,11 @@ const HEADING: &str = "# Files of a folder of tirtouch, which replaces it only w
 /// Files that viewers of folders leave behind.
 const LITTER: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 
-/// A result with what every command adds: where it is, what made it, and how it was asked for.
-pub(in crate::cli) fn described(mut result: Value, out: Option<&Path>) -> Value {
+/// A result with where it is and what version made it.
+pub fn described(mut result: Value, out: Option<&Path>) -> Value {
     result["out"] = json!(out.map(|out| out.display().to_string()));
     result["version"] = json!(env!("CARGO_PKG_VERSION"));
-    result["command"] = json!(command());
     result
-}
-
-/// The command line, the program's name first.
-fn command() -> Vec<String> {
-    std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect()
-}
-
-/// The same in one line, for people.
-pub(in crate::cli) fn command_line() -> String {
-    command().join(" ")
-}
-
-/// The command line without what changes no light (folder and talk) and without the program's own place: equal renders
-/// then have equal headers.
-pub(in crate::cli) fn command_of_light() -> String {
-    let mut said = vec!["tirtouch".to_owned()];
-    let mut arguments = command().into_iter().skip(1);
-    while let Some(argument) = arguments.next() {
-        match argument.as_str() {
-            "-o" | "--out" => drop(arguments.next()),
-            "--force" | "--quiet" | "--json" => {}
-            out if out.starts_with("-o") || out.starts_with("--out=") => {}
-            _ => said.push(argument),
-        }
-    }
-    said.join(" ")
 }
 
 fn hash(file: &Path) -> std::io::Result<String> {
@@ -74,11 +47,8 @@ pub(super) fn sums(folder: &Path) -> std::io::Result<(&'static str, String)> {
 ///
 /// # Errors
 /// When it holds anything else, with what that is.
-pub(in crate::cli) fn check_own(folder: &Path) -> Result<(), Failure> {
-    let shown = folder.display();
-    let refused = |why: String| {
-        Failure::input(format!("{shown}: {why}; it is not replaced: `--out` names another folder")).in_file(folder)
-    };
+pub(super) fn check_own(folder: &Path) -> Result<(), OutputError> {
+    let refused = |why: String| OutputError::refused(folder, format!("{why}; it is not replaced"), Remedy::Elsewhere);
     let unreadable = |error: std::io::Error| refused(format!("cannot be read: {error}"));
     let sums = std::fs::read_to_string(folder.join(SUMS)).unwrap_or_default();
     let listed: BTreeMap<&str, &str> = match sums.split_once('\n') {

@@ -1,7 +1,7 @@
 //! A folder that keeps one record for each item, each written whole or not at all, so that a stopped run can go on.
 
-use crate::cli::output::{Claim, RESULT, SCENE};
-use crate::cli::{Failure, cancel};
+use super::leftovers::leftovers;
+use super::{Claim, OutputError, RESULT, Remedy, SCENE};
 use crate::film::{Film, RADIANCE_UNIT};
 use crate::image_io::{Provenance, read_radiance, write_radiance};
 use serde::Serialize;
@@ -17,7 +17,7 @@ const ORDER: &str = "order.json";
 const PARTIAL: &str = "partial";
 
 /// The folder.
-pub(super) struct Records {
+pub struct Records {
     folder: PathBuf,
     _claim: Claim,
 }
@@ -28,42 +28,33 @@ impl Records {
     /// # Errors
     /// When another run writes it, it exists and is neither to be replaced nor gone on with, holds another order or
     /// anything that was not written here, or cannot be written.
-    pub fn open(folder: &Path, order: &Value, force: bool, resume: bool) -> Result<Self, Failure> {
-        let shown = folder.display();
-        let input = |message: String| Failure::input(message).in_file(folder);
+    pub fn open(folder: &Path, order: &Value, force: bool, resume: bool) -> Result<Self, OutputError> {
+        let refused = |why: &str, remedy| Err(OutputError::refused(folder, why, remedy));
         let records = Self { folder: folder.into(), _claim: Claim::take(folder)? };
         let old: Option<Value> = records.read_json(ORDER);
         match (folder.symlink_metadata().is_ok(), old) {
-            (false, _) if resume => return Err(input(format!("{shown}: is not there to go on with"))),
+            (false, _) if resume => return refused("is not there to go on with", Remedy::Mend),
             (false, _) => {}
             (true, Some(old)) if resume => {
                 if old != *order {
-                    return Err(input(format!(
-                        "{shown}: holds the rungs of another scene or other flags; `--out` names another folder"
-                    )));
+                    return refused("holds the records of another scene or order", Remedy::Elsewhere);
                 }
             }
             (true, Some(_)) if force => {
                 if let Some(strange) = strange(folder) {
-                    return Err(input(format!(
-                        "{shown}: holds {}, which tirtouch did not write; it is not replaced: `--out` names another",
-                        strange.display()
-                    )));
+                    let why = format!("holds {}, which tirtouch did not write; it is not replaced", strange.display());
+                    return refused(&why, Remedy::Elsewhere);
                 }
                 std::fs::remove_dir_all(folder)
-                    .map_err(|error| Failure::failed(format!("{shown}: cannot be replaced: {error}")))?;
+                    .map_err(|error| OutputError::failed(folder, format!("cannot be replaced: {error}")))?;
             }
-            (true, Some(_)) => {
-                let message = format!(
-                    "{shown}: exists; `--resume` goes on with it, `--force` replaces it, `--out` names another"
-                );
-                return Err(input(message));
-            }
-            (true, None) => return Err(input(format!("{shown}: exists and holds no ladders; `--out` names another"))),
+            (true, Some(_)) => return refused("exists", Remedy::GoOn),
+            (true, None) => return refused("exists and holds no records", Remedy::Elsewhere),
         }
-        std::fs::create_dir_all(folder.join(ITEMS))
-            .map_err(|error| input(format!("{shown}: no folder can be made there: {error}")))?;
-        cancel::ending().keep(format!("what was done is in {shown}: go on with --resume"));
+        std::fs::create_dir_all(folder.join(ITEMS)).map_err(|error| {
+            OutputError::refused(folder, format!("no folder can be made there: {error}"), Remedy::Mend)
+        })?;
+        leftovers().keep(format!("what was done is in {}", folder.display()));
         records.keep(ORDER, order)?;
         Ok(records)
     }
@@ -76,17 +67,21 @@ impl Records {
         serde_json::from_slice(&std::fs::read(self.item(name)).ok()?).ok()
     }
 
-    fn keep<T: Serialize>(&self, name: &str, value: &T) -> Result<(), Failure> {
-        let text = serde_json::to_string(value).map_err(|error| Failure::failed(format!("{name}: {error}")))?;
+    fn keep<T: Serialize>(&self, name: &str, value: &T) -> Result<(), OutputError> {
+        let text =
+            serde_json::to_string(value).map_err(|error| OutputError::failed(&self.item(name), error.to_string()))?;
         self.write_at(&self.item(name), text.as_bytes())
     }
 
     /// The item `name`: as it was kept, or made now and kept.
-    pub fn item_or<T: Serialize + DeserializeOwned>(
+    ///
+    /// # Errors
+    /// That of making it, or when it cannot be written.
+    pub fn item_or<T: Serialize + DeserializeOwned, E: From<OutputError>>(
         &self,
         name: &str,
-        make: impl FnOnce() -> Result<T, Failure>,
-    ) -> Result<T, Failure> {
+        make: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
         let name = format!("{name}.json");
         if let Some(kept) = self.read_json(&name) {
             return Ok(kept);
@@ -97,7 +92,10 @@ impl Records {
     }
 
     /// A film, kept as an EXR.
-    pub fn film_or(&self, name: &str, make: impl FnOnce() -> Result<Film, Failure>) -> Result<Film, Failure> {
+    ///
+    /// # Errors
+    /// That of making it, or when it cannot be written.
+    pub fn film_or<E: From<OutputError>>(&self, name: &str, make: impl FnOnce() -> Result<Film, E>) -> Result<Film, E> {
         let path = self.item(&format!("{name}.exr"));
         if let Ok((film, _)) = read_radiance(&path) {
             return Ok(film);
@@ -106,19 +104,22 @@ impl Records {
         let partial = path.with_extension(PARTIAL);
         let provenance =
             Provenance { unit: RADIANCE_UNIT.into(), replicates: film.replicates, ..Provenance::default() };
-        let _whole = cancel::ending();
-        write_radiance(&partial, &film, &provenance)?;
+        let _whole = leftovers();
+        write_radiance(&partial, &film, &provenance).map_err(OutputError::from)?;
         std::fs::rename(&partial, &path).map_err(|error| unwritable(&path, &error))?;
         Ok(film)
     }
 
     /// Writes a file of the folder, whole or not at all.
-    pub fn write(&self, name: &str, text: &str) -> Result<(), Failure> {
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write(&self, name: &str, text: &str) -> Result<(), OutputError> {
         self.write_at(&self.folder.join(name), text.as_bytes())
     }
 
-    fn write_at(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-        let _whole = cancel::ending();
+    fn write_at(&self, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+        let _whole = leftovers();
         let write = || {
             let mut file = tempfile::NamedTempFile::new_in(&self.folder)?;
             file.write_all(bytes)?;
@@ -150,8 +151,8 @@ fn strange(folder: &Path) -> Option<PathBuf> {
     entries(folder).find(|path| !is_ours(path)).or_else(|| entries(&items).find(|path| !is_item(path)))
 }
 
-fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::failed(format!("{}: cannot be written: {error}", path.display())).in_file(path)
+fn unwritable(path: &Path, error: &std::io::Error) -> OutputError {
+    OutputError::failed(path, format!("cannot be written: {error}"))
 }
 
 #[cfg(test)]
@@ -160,41 +161,46 @@ mod tests {
     use super::*;
     use serde_json::json;
 
+    fn is_refused(opened: &Result<Records, OutputError>) -> bool {
+        matches!(opened, Err(OutputError::Refused { .. }))
+    }
+
     #[test]
     fn items_are_made_once_and_kept() {
         let place = tempfile::tempdir().unwrap();
         let folder = place.path().join("ladders");
         let order = json!({"seed": 1});
         let records = Records::open(&folder, &order, false, false).unwrap();
-        assert_eq!(records.item_or("a", || Ok(7)).unwrap(), 7);
-        assert_eq!(records.item_or("a", || Err(Failure::failed("made twice"))), Ok(7));
-        assert!(records.item_or::<u32>("b", || Err(Failure::cancelled())).is_err());
+        assert_eq!(records.item_or("a", || Ok::<_, OutputError>(7)).unwrap(), 7);
+        let kept: Result<i32, _> = records.item_or("a", || Err(OutputError::Stopped));
+        assert_eq!(kept.unwrap(), 7, "it is not made twice");
+        assert!(records.item_or::<u32, _>("b", || Err(OutputError::Stopped)).is_err());
         drop(records);
         let again = Records::open(&folder, &order, false, true).unwrap();
-        assert_eq!(again.item_or("a", || Ok(8)).unwrap(), 7);
-        assert_eq!(again.item_or("b", || Ok(9)).unwrap(), 9);
+        assert_eq!(again.item_or("a", || Ok::<_, OutputError>(8)).unwrap(), 7);
+        assert_eq!(again.item_or("b", || Ok::<_, OutputError>(9)).unwrap(), 9);
     }
 
     #[test]
     fn another_order_an_existing_folder_and_a_strange_one_are_refused() {
         let place = tempfile::tempdir().unwrap();
         let folder = place.path().join("ladders");
-        assert_eq!(Records::open(&folder, &json!(1), false, true).err().unwrap().code(), 2);
+        assert!(is_refused(&Records::open(&folder, &json!(1), false, true)));
         Records::open(&folder, &json!(1), false, false).unwrap();
-        assert_eq!(Records::open(&folder, &json!(1), false, false).err().unwrap().code(), 2);
-        assert_eq!(Records::open(&folder, &json!(2), false, true).err().unwrap().code(), 2);
+        assert!(is_refused(&Records::open(&folder, &json!(1), false, false)));
+        assert!(is_refused(&Records::open(&folder, &json!(2), false, true)));
         Records::open(&folder, &json!(2), true, false).unwrap();
         for strange in ["notes.txt", "items/notes.txt"] {
             std::fs::write(folder.join(strange), "mine").unwrap();
-            let refused = Records::open(&folder, &json!(2), true, false).err().unwrap();
-            assert!(refused.code() == 2 && refused.message().contains("notes.txt"), "{}", refused.message());
+            let refused = Records::open(&folder, &json!(2), true, false);
+            assert!(is_refused(&refused) && refused.err().unwrap().to_string().contains("notes.txt"));
             std::fs::remove_file(folder.join(strange)).unwrap();
         }
         let records = Records::open(&folder, &json!(2), true, false).unwrap();
-        let second = Records::open(&folder, &json!(2), false, true).err().unwrap();
-        assert!(second.code() == 2 && second.message().contains("another run"), "{}", second.message());
+        let second = Records::open(&folder, &json!(2), false, true);
+        assert!(is_refused(&second) && second.err().unwrap().to_string().contains("another run"));
         drop(records);
         std::fs::create_dir(place.path().join("mine")).unwrap();
-        assert_eq!(Records::open(&place.path().join("mine"), &json!(1), true, false).err().unwrap().code(), 2);
+        assert!(is_refused(&Records::open(&place.path().join("mine"), &json!(1), true, false)));
     }
 }

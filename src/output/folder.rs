@@ -1,12 +1,8 @@
 //! An output folder that is there in whole or not at all.
 
-mod claim;
-mod contents;
-
-pub(super) use claim::Claim;
-pub(super) use contents::{RESULT, SCENE, check_own, command_line, command_of_light, described};
-
-use super::{Failure, cancel};
+use super::contents::{self, RESULT, SCENE, check_own, described};
+use super::leftovers::leftovers;
+use super::{Claim, OutputError, Remedy};
 use serde_json::Value;
 use std::fs::File;
 use std::io::Write;
@@ -26,7 +22,7 @@ pub struct OutputFolder {
 pub struct Finished {
     /// Where it is.
     pub out: String,
-    /// What `--json` prints.
+    /// The result with what was added to it, as JSON.
     pub json: String,
 }
 
@@ -36,15 +32,14 @@ impl OutputFolder {
     /// # Errors
     /// When another run writes it; it exists and `force` is not set, or holds anything that this program did not write;
     /// or its parent cannot be written.
-    pub fn create(destination: &Path, force: bool) -> Result<Self, Failure> {
+    pub fn create(destination: &Path, force: bool) -> Result<Self, OutputError> {
         let claim = Claim::take(destination)?;
         if let Ok(existing) = destination.symlink_metadata() {
             refuse_to_replace(destination, &existing, force)?;
         }
         // With the rights of any new folder: the umask applies.
         std::fs::create_dir(&claim.partial).map_err(|error| {
-            let message = format!("{}: no folder can be made there: {error}", destination.display());
-            Failure::input(message).in_file(destination)
+            OutputError::refused(destination, format!("no folder can be made there: {error}"), Remedy::Mend)
         })?;
         Ok(Self { destination: destination.into(), claim, force })
     }
@@ -59,7 +54,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// When it cannot be written, as on a full disk.
-    pub fn write(&self, name: &str, text: &str) -> Result<(), Failure> {
+    pub fn write(&self, name: &str, text: &str) -> Result<(), OutputError> {
         self.write_bytes(name, text.as_bytes())
     }
 
@@ -67,25 +62,23 @@ impl OutputFolder {
     ///
     /// # Errors
     /// As of `write`.
-    pub fn write_bytes(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+    pub fn write_bytes(&self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
         let path = self.path(name);
         let write = || {
             let mut file = File::create(&path)?;
             file.write_all(bytes)?;
             file.sync_all()
         };
-        write().map_err(|error| {
-            let place = self.destination.join(name);
-            Failure::failed(format!("{}: cannot be written: {error}", place.display())).in_file(&place)
-        })
+        write()
+            .map_err(|error| OutputError::failed(&self.destination.join(name), format!("cannot be written: {error}")))
     }
 
     /// Adds the scene's text, if there is one, and the result, puts the folder in its place and says where that is.
     ///
     /// # Errors
-    /// When the user has asked to stop, the place was taken meanwhile, or it cannot be renamed. An old folder stays
+    /// When `go_on` says no, the place was taken meanwhile, or it cannot be renamed. An old folder stays
     /// then.
-    pub fn commit(self, scene: Option<&str>, result: Value) -> Result<Finished, Failure> {
+    pub fn commit(self, scene: Option<&str>, result: Value, go_on: &dyn Fn() -> bool) -> Result<Finished, OutputError> {
         let result = described(result, Some(&self.destination));
         if let Some(text) = scene {
             self.write(SCENE, text)?;
@@ -93,63 +86,58 @@ impl OutputFolder {
         self.write(RESULT, &format!("{result:#}\n"))?;
         let (name, sums) = contents::sums(&self.claim.partial).map_err(|error| self.misplaced(error))?;
         self.write(name, &sums)?;
-        cancel::check()?;
-        let mut ending = cancel::ending();
+        if !go_on() {
+            return Err(OutputError::Stopped);
+        }
+        let mut left = leftovers();
         self.put_in_place()?;
         let out = self.destination.display().to_string();
-        ending.keep(format!("{out} is written"));
-        drop(ending);
+        left.keep(format!("{out} is written"));
+        drop(left);
         // The new folder is in place; what cannot be removed of the old one is swept away by the next run.
         let _ = std::fs::remove_dir_all(&self.claim.replaced);
         Ok(Finished { out, json: result.to_string() })
     }
 
-    fn misplaced(&self, error: std::io::Error) -> Failure {
-        let place = self.destination.display();
-        Failure::failed(format!("{place}: cannot be put in place: {error}")).in_file(&self.destination)
+    fn misplaced(&self, error: impl std::fmt::Display) -> OutputError {
+        OutputError::failed(&self.destination, format!("cannot be put in place: {error}"))
     }
 
-    fn put_in_place(&self) -> Result<(), Failure> {
+    fn put_in_place(&self) -> Result<(), OutputError> {
         let (partial, aside, place) = (&self.claim.partial, &self.claim.replaced, &self.destination);
         let exists = place.symlink_metadata().is_ok();
         if exists && !self.force {
-            return Err(self.misplaced(std::io::ErrorKind::AlreadyExists.into()));
+            return Err(self.misplaced(std::io::Error::from(std::io::ErrorKind::AlreadyExists)));
         }
         if exists {
             // What was put into it while this ran counts too.
-            check_own(place).map_err(|changed| self.misplaced(std::io::Error::other(changed.message().to_owned())))?;
+            check_own(place).map_err(|changed| self.misplaced(changed))?;
             std::fs::rename(place, aside).map_err(|error| self.misplaced(error))?;
         }
         std::fs::rename(partial, place).map_err(|error| match exists.then(|| std::fs::rename(aside, place)) {
             None | Some(Ok(())) => self.misplaced(error),
-            Some(Err(_)) => Failure::failed(format!(
-                "{}: could not be replaced; the old folder is {}",
-                place.display(),
-                aside.display()
-            )),
+            Some(Err(_)) => {
+                OutputError::failed(place, format!("could not be replaced; the old folder is {}", aside.display()))
+            }
         })
     }
 }
 
-/// `--force` on the wrong name must not cost more than a folder of results.
-fn refuse_to_replace(destination: &Path, existing: &std::fs::Metadata, force: bool) -> Result<(), Failure> {
-    let shown = destination.display();
-    let input = |message: String| Failure::input(message).in_file(destination);
+/// A wrong name must not cost more than a folder of results.
+fn refuse_to_replace(destination: &Path, existing: &std::fs::Metadata, force: bool) -> Result<(), OutputError> {
+    let refused = |why: &str, remedy| Err(OutputError::refused(destination, why, remedy));
     if !existing.is_dir() {
-        return Err(input(format!("{shown}: exists and is no folder; it is not replaced: `--out` names another")));
+        return refused("exists and is no folder; it is not replaced", Remedy::Elsewhere);
     }
     let holds = |folder: PathBuf| {
         let (folder, place) = (folder.canonicalize().ok()?, destination.canonicalize().ok()?);
         Some(folder.starts_with(place))
     };
     if std::env::current_dir().ok().and_then(holds) == Some(true) {
-        return Err(input(format!("{shown}: holds the working directory and is not replaced")));
+        return refused("holds the working directory and is not replaced", Remedy::Mend);
     }
     check_own(destination)?;
-    match force {
-        true => Ok(()),
-        false => Err(input(format!("{shown}: exists; `--force` replaces it, `--out` names another"))),
-    }
+    if force { Ok(()) } else { refused("exists", Remedy::Replace) }
 }
 
 #[cfg(test)]
@@ -165,6 +153,14 @@ mod tests {
         names
     }
 
+    fn is_refused(error: &OutputError) -> bool {
+        matches!(error, OutputError::Refused { .. })
+    }
+
+    fn has_failed(error: &OutputError) -> bool {
+        matches!(error, OutputError::Failed { .. })
+    }
+
     /// What every committed folder holds beside the files of its command.
     const OWN: [&str; 2] = ["SHA256SUMS", "result.json"];
 
@@ -172,7 +168,7 @@ mod tests {
     fn result(destination: &Path, name: &str) {
         let folder = OutputFolder::create(destination, true).unwrap();
         folder.write(name, name).unwrap();
-        folder.commit(None, Value::Null).unwrap();
+        folder.commit(None, Value::Null, &|| true).unwrap();
     }
 
     #[test]
@@ -182,7 +178,7 @@ mod tests {
         let folder = OutputFolder::create(&destination, false).unwrap();
         folder.write("a.txt", "a").unwrap();
         assert!(!destination.exists());
-        let done = folder.commit(Some("name = 1\r\n"), Value::Null).unwrap();
+        let done = folder.commit(Some("name = 1\r\n"), Value::Null, &|| true).unwrap();
         assert_eq!(done.out, destination.display().to_string());
         assert_eq!(names(&destination), [OWN[0], "a.txt", OWN[1], SCENE]);
         assert_eq!(names(destination.parent().unwrap()), ["result"]);
@@ -190,7 +186,7 @@ mod tests {
         let kept: Value = serde_json::from_slice(&fs::read(destination.join(RESULT)).unwrap()).unwrap();
         assert_eq!(kept, serde_json::from_str::<Value>(&done.json).unwrap());
         assert_eq!(kept["out"], done.out);
-        assert!(kept["command"].is_array() && kept["version"].is_string());
+        assert!(kept["version"].is_string());
     }
 
     #[test]
@@ -208,12 +204,11 @@ mod tests {
         let destination = place.path().join("result");
         result(&destination, "old.txt");
         let refused = OutputFolder::create(&destination, false).unwrap_err();
-        assert_eq!(refused.code(), 2);
-        assert!(refused.message().contains("--force"), "{}", refused.message());
+        assert!(matches!(refused, OutputError::Refused { remedy: Remedy::Replace, .. }), "{refused}");
         let folder = OutputFolder::create(&destination, true).unwrap();
         folder.write("new.txt", "new").unwrap();
         assert_eq!(names(&destination), [OWN[0], "old.txt", OWN[1]], "kept until the new one is whole");
-        folder.commit(None, Value::Null).unwrap();
+        folder.commit(None, Value::Null, &|| true).unwrap();
         assert_eq!(names(&destination), [OWN[0], "new.txt", OWN[1]]);
         assert_eq!(names(place.path()), ["result"]);
     }
@@ -246,8 +241,7 @@ mod tests {
             make();
             let before = names(&destination);
             let refused = OutputFolder::create(&destination, true).unwrap_err();
-            assert_eq!(refused.code(), 2);
-            assert!(refused.message().contains(what), "{}", refused.message());
+            assert!(is_refused(&refused) && refused.to_string().contains(what), "{refused}");
             assert_eq!(names(&destination), before);
             assert_eq!(names(place.path()), ["result"]);
             fs::remove_dir_all(&destination).unwrap();
@@ -257,7 +251,7 @@ mod tests {
         fs::write(destination.join(".DS_Store"), "").unwrap();
         let folder = OutputFolder::create(&destination, true).unwrap();
         fs::write(destination.join("notes.txt"), "mine").unwrap();
-        assert_eq!(folder.commit(None, Value::Null).unwrap_err().code(), 3);
+        assert!(has_failed(&folder.commit(None, Value::Null, &|| true).unwrap_err()));
         assert_eq!(fs::read_to_string(destination.join("notes.txt")).unwrap(), "mine");
         fs::remove_file(destination.join("notes.txt")).unwrap();
         result(&destination, "b.txt");
@@ -271,7 +265,7 @@ mod tests {
         let folder = OutputFolder::create(&destination, false).unwrap();
         fs::create_dir(&destination).unwrap();
         fs::write(destination.join("theirs.txt"), "theirs").unwrap();
-        assert_eq!(folder.commit(None, Value::Null).unwrap_err().code(), 3);
+        assert!(has_failed(&folder.commit(None, Value::Null, &|| true).unwrap_err()));
         assert_eq!(names(&destination), ["theirs.txt"]);
         assert_eq!(names(place.path()), ["result"]);
     }
@@ -289,9 +283,9 @@ mod tests {
             (std::env::current_dir().unwrap(), true),
         ] {
             let refused = OutputFolder::create(&destination, force).unwrap_err();
-            assert_eq!(refused.code(), 2, "{}", destination.display());
+            assert!(is_refused(&refused), "{refused}");
         }
         let below = OutputFolder::create(&file.join("result"), false).unwrap_err();
-        assert!(below.message().contains(&*file.to_string_lossy()), "it names the parent: {}", below.message());
+        assert!(below.to_string().contains(&*file.to_string_lossy()), "it names the parent: {below}");
     }
 }

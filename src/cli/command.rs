@@ -1,0 +1,50 @@
+//! The command line as it was given, for results and reports.
+
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// A result with what every command adds: where it is, what made it, and how it was asked for.
+pub(super) fn described(result: Value, out: Option<&Path>) -> Value {
+    with_command(crate::output::described(result, out))
+}
+
+/// A result with the command line.
+pub(super) fn with_command(mut result: Value) -> Value {
+    result["command"] = json!(command());
+    result
+}
+
+/// The command line, the program's name first.
+fn command() -> Vec<String> {
+    std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect()
+}
+
+/// The same in one line, for people.
+pub(super) fn command_line() -> String {
+    command().join(" ")
+}
+
+/// The command line without what changes no light (folder and talk) and without the program's own place: equal renders
+/// then have equal headers.
+pub(super) fn command_of_light() -> String {
+    let mut said = vec!["tirtouch".to_owned()];
+    let mut arguments = command().into_iter().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "-o" | "--out" => drop(arguments.next()),
+            "--force" | "--quiet" | "--json" => {}
+            out if out.starts_with("-o") || out.starts_with("--out=") => {}
+            _ => said.push(argument),
+        }
+    }
+    said.join(" ")
+}
+
+/// Puts a folder in its place, with the command line in its result, unless the user has asked to stop.
+pub(super) fn commit(
+    folder: crate::output::OutputFolder,
+    scene: Option<&str>,
+    result: Value,
+) -> Result<crate::output::Finished, super::Failure> {
+    Ok(folder.commit(scene, with_command(result), &|| !super::cancel::requested())?)
+}

@@ -1,0 +1,90 @@
+//! What a press finds.
+
+use super::{Assembly, ContactPoint, SensorBody, Setup};
+use crate::mechanics::newton::Method;
+use crate::mechanics::problem::State;
+
+/// A press at one of the asked loads.
+#[derive(Debug, Clone)]
+pub struct PressStep {
+    /// Motion of the phantom's base, mm.
+    pub depth_mm: f64,
+    /// Its motion along x and y, mm.
+    pub slide_mm: [f64; 2],
+    /// Time for which it was held before it was read, s.
+    pub hold_s: f64,
+    /// Total force along z, N.
+    pub force_n: f64,
+    /// Largest pressure over 0.8 of the footprint's radius, kPa: the edge of a tied contact is singular. Under an
+    /// indenter over all of the face.
+    pub peak_pressure_kpa: f64,
+    /// Nodes of the touched face, by x, then y.
+    pub points: Vec<ContactPoint>,
+    /// The whole state.
+    pub state: State,
+    /// Error of the pressure, where it was estimated.
+    pub error: Option<PressureError>,
+}
+
+/// A press at all asked loads that it reached.
+#[derive(Debug, Clone)]
+pub struct Pressed {
+    /// Description.
+    pub setup: Setup,
+    /// The problem.
+    pub assembly: Assembly,
+    /// Asked loads, ascending.
+    pub steps: Vec<PressStep>,
+    /// Displacement unknowns.
+    pub unknowns: usize,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Cycles of multigrid.
+    pub cycles: usize,
+    /// Seconds, without the error estimate.
+    pub seconds: f64,
+    /// Seconds of the error estimate.
+    pub error_seconds: f64,
+    /// How linear systems were solved.
+    pub method: Method,
+    /// Memory of the matrix's factor, or of multigrid's levels, MiB.
+    pub factor_mib: f64,
+}
+
+/// Share of the footprint's radius over which pressures are judged.
+pub const JUDGED_SHARE: f64 = 0.8;
+
+/// Estimated error of a press at one load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PressureError {
+    /// Root mean square of the pressure's error over 0.8 of the footprint's radius (all of the face under an indenter),
+    /// as a share of the pressure's own: that of the mesh.
+    pub rms: f64,
+    /// Error of the force, as a share of it: that of the mesh.
+    pub force: f64,
+    /// What a sharp edge in place of a rigid sensor's rounded one would change, where the sensor slides.
+    pub rounding: Option<Rounding>,
+}
+
+/// What the rounding of a rigid sensor's edge does: the face in contact ends before the outline. The edge is rounded
+/// twice as far for it. What that changes a sharp edge changes the other way if the change is as the radius (a face
+/// pressed little), 1.7 times as much if it is as its power 2/3 (a face that the press bends around the arc). The
+/// factor of safety covers both.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rounding {
+    /// Root mean square change of the pressure over 0.8 of the footprint's radius, as a share of it.
+    pub rms: f64,
+    /// Change of the force, as a share of it.
+    pub force: f64,
+}
+
+/// Whether a point lies within the part of the face over which pressures are judged: an indenter has no singular edge,
+/// so all of its contact is.
+pub fn is_judged(setup: &Setup, point: &ContactPoint) -> bool {
+    if matches!(setup.sensor, SensorBody::Indenter(_)) {
+        return true;
+    }
+    let [x, y, _] = point.reference_mm;
+    let across = if setup.kinematics.dim() == 3 { x.hypot(y) } else { x.abs() };
+    across <= JUDGED_SHARE * setup.reach_mm()
+}
