@@ -32,6 +32,7 @@ pub mod image_io;
 pub mod mechanics;
 pub mod optics;
 pub mod output;
+mod pages;
 pub mod pipeline;
 pub mod progress;
 pub mod report;

@@ -1,18 +1,17 @@
 //! `compare`: do two radiance images show the same light?
 
-mod difference;
 mod strict;
 
 use super::command;
 use super::flags::probability;
 use super::{Failure, Outcome, Talk, note, print};
 use crate::film::Film;
-use crate::film::compare::{CompareError, Comparison, LevelTest, Paired, compare, compare_paired};
+use crate::film::compare::{CompareError, Comparison, compare, compare_paired};
 use crate::image_io::{Provenance, read_radiance};
 use crate::output::OutputFolder;
+use crate::pages::{comparison, difference};
 use clap::Args;
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Compare two radiance images by their variances; exit code 1 when they differ.
@@ -63,7 +62,7 @@ impl Compare {
                         "both images have the same random numbers (scene, seed and integrator): equal noise hides differences",
                     );
                 }
-                (comparison.passed, self.json(&comparison), table(&comparison))
+                (comparison.passed, comparison::json(&comparison), comparison::table(&comparison))
             }
         };
         let found = self.named(json);
@@ -106,26 +105,6 @@ impl Compare {
         found["b"] = json!(self.b.display().to_string());
         found
     }
-
-    fn json(&self, comparison: &Comparison) -> Value {
-        let ratio = match &comparison.ratio {
-            Some(ratio) => json!(ratio),
-            None => json!({"undefined": "the first image is dark"}),
-        };
-        let paired = match &comparison.paired {
-            Some(paired) => json!(paired),
-            None => json!({"undefined": "the images do not share their random numbers, or do not say"}),
-        };
-        json!({
-            "passed": comparison.passed,
-            "level": comparison.level,
-            "tests": comparison.tests,
-            "paired": paired,
-            "mean_a": comparison.mean_a,
-            "mean_b": comparison.mean_b,
-            "ratio": ratio,
-        })
-    }
 }
 
 fn check_units(file: &Path, first: &Provenance, second: &Provenance) -> Result<(), Failure> {
@@ -146,64 +125,4 @@ fn of_one_seed(first: &Provenance, second: &Provenance) -> bool {
         None => (image.seed, image.scene_sha256.clone(), image.integrator.clone()),
     };
     origin(first) == origin(second)
-}
-
-fn table(comparison: &Comparison) -> String {
-    let verdict = if comparison.passed { "same" } else { "DIFFERENT" };
-    let mut text = format!("{verdict} (chance of a false alarm {})\n", comparison.level);
-    let columns = ["cells", "largest z", "mean z^2", "p", "would see"];
-    let _ = write!(text, "{:<14}", "level");
-    columns.iter().for_each(|column| _ = write!(text, "{column:>11}"));
-    text.push('\n');
-    for test in &comparison.tests {
-        let _ = writeln!(text, "{}", row(test));
-    }
-    if let Some(paired) = &comparison.paired {
-        let _ = write!(text, "{}", pairs(paired));
-    }
-    let _ = writeln!(text, "mean A {:.6e}, mean B {:.6e}", comparison.mean_a, comparison.mean_b);
-    match &comparison.ratio {
-        Some(ratio) => {
-            let _ = writeln!(text, "B/A {:.6} (95 %: {:.6} to {:.6})", ratio.value, ratio.low, ratio.high);
-        }
-        None => text.push_str("B/A undefined: A is dark\n"),
-    }
-    text
-}
-
-const DIFFERS: &str = "  <- differs";
-
-fn row(test: &LevelTest) -> String {
-    let name = match test.edge {
-        0 => "whole image".to_owned(),
-        1 => "pixels".to_owned(),
-        edge => format!("blocks of {edge}"),
-    };
-    let Some(change) = test.smallest_change else {
-        return format!("{name:<14}{:>11}  too little light to test", 0);
-    };
-    let mark = if test.passed { "" } else { DIFFERS };
-    let figures =
-        format!("{:>11.2}{:>11.3}{:>11.2e}{:>11}", test.max_z, test.mean_square, test.p_value, percent(change));
-    format!("{name:<14}{:>11}{figures}{mark}", test.cells)
-}
-
-/// The comparison replicate by replicate, in words.
-fn pairs(paired: &Paired) -> String {
-    let Paired { groups, regions, max_z, p_value, .. } = paired;
-    let mark = if paired.passed { "" } else { DIFFERS };
-    let mut text = format!(
-        "same seed and work: also compared replicate by replicate\n\
-         {groups} pairs, {regions} regions: largest z {max_z:.2}, p {p_value:.2e}{mark}\n"
-    );
-    if let (Some(ratio), Some(change)) = (&paired.ratio, paired.smallest_change) {
-        let [value, low, high] = [ratio.value, ratio.low, ratio.high];
-        let change = percent(change);
-        let _ = writeln!(text, "B/A of pairs {value:.6} (95 %: {low:.6} to {high:.6}), would see {change}");
-    }
-    text
-}
-
-fn percent(share: f64) -> String {
-    if share < 1e-3 { format!("{:.0e} %", 100.0 * share) } else { format!("{:.2} %", 100.0 * share) }
 }

@@ -1,19 +1,17 @@
 //! `converge`: error against run time.
 
-mod climb;
-mod pictures;
-mod table;
-
 use super::command::described;
 use super::flags::Backend;
-use super::job::{check_light, load_scene};
+use super::job::{check_light, load_scene, watched};
+use super::pressing::PressFailure;
 use super::{Failure, Outcome, Talk, note, print};
+use crate::converge::{Climb, ClimbError, Part};
 use crate::output::leftovers::leftovers;
 use crate::output::{RESULT, Records, SCENE};
+use crate::pages::converge::{pictures, table};
 use crate::scene::LoadedScene;
 use crate::trace::{Devices, Precision, Settings};
 use clap::Args;
-use climb::Climb;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -65,6 +63,15 @@ enum Only {
     Mechanics,
 }
 
+impl Only {
+    fn part(self) -> Part {
+        match self {
+            Self::Light => Part::Light,
+            Self::Mechanics => Part::Mechanics,
+        }
+    }
+}
+
 impl Converge {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (mut loaded, file) = load_scene(&self.scene)?;
@@ -101,15 +108,17 @@ impl Converge {
         records.write(SCENE, &loaded.text)?;
         let climb = Climb {
             loaded: &loaded,
-            file: &file,
             settings,
             devices: &devices,
             most_spp,
             quick: self.quick,
-            only: self.only,
-            quiet: self.talk.quiet,
+            only: self.only.map(Only::part),
         };
-        let found = climb.run(&records)?;
+        let found = watched(self.talk.quiet, |observe| climb.run(&records, observe)).map_err(|error| match error {
+            ClimbError::Press(error) => PressFailure::of(error, &file).failure,
+            ClimbError::Light(error) => error.into(),
+            ClimbError::Output(error) => error.into(),
+        })?;
         records.write("converge.csv", &table::csv(&found.rungs)?)?;
         for (file, svg) in pictures::draw(&name, &found.rungs)? {
             records.write(&file, &svg)?;

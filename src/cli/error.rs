@@ -2,14 +2,17 @@
 
 use crate::camera::ProjectionError;
 use crate::camera::exposure::ExposureError;
+use crate::converge::light::LightError;
 use crate::estimate::CalibrationError;
 use crate::film::compare::CompareError;
 use crate::image_io::ImageError;
 use crate::mechanics::frames::scan::ScanError;
 use crate::mechanics::press::PressError;
 use crate::output::{OutputError, Remedy};
+use crate::pages::PageError;
 use crate::report::{PictureError, VtuError};
 use crate::scene::{DataFileError, SceneError};
+use crate::stability::StabilityError;
 use crate::surface::SurfaceError;
 use crate::trace::TraceError;
 use serde_json::json;
@@ -165,6 +168,38 @@ impl From<ImageError> for Failure {
             _ => Self::input(error.to_string()),
         };
         failure.in_file(error.path())
+    }
+}
+
+impl From<PageError> for Failure {
+    fn from(error: PageError) -> Self {
+        match error {
+            PageError::Output(error) => error.into(),
+            PageError::Image(error) => error.into(),
+            PageError::Projection(error) => error.into(),
+            PageError::Case(error) => error.into(),
+            PageError::Picture(error) => error.into(),
+            PageError::Vtu { .. } | PageError::Table { .. } => Self::failed(error.to_string()),
+        }
+    }
+}
+
+impl From<StabilityError> for Failure {
+    fn from(error: StabilityError) -> Self {
+        match error {
+            StabilityError::Trace(error) => error.into(),
+            error => Self::failed(error.to_string()),
+        }
+    }
+}
+
+impl From<LightError> for Failure {
+    fn from(error: LightError) -> Self {
+        match error {
+            LightError::Surface(error) => error.into(),
+            LightError::Trace(error) => error.into(),
+            LightError::Size => Self::failed(error.to_string()),
+        }
     }
 }
 

@@ -1,21 +1,16 @@
 //! `estimate`: the paper's figures of images from anywhere.
 
-use super::facts::{columns, figure};
 use super::job::load_scene;
 use super::measure::{Reading, Threshold, grey_image, less};
-use super::run::said_within;
 use super::{Failure, Outcome, Talk, note, print};
 use crate::camera::expose;
-use crate::estimate::{
-    Calibration, Estimates, GreyImage, PaperEstimate, Settings, Stiffness, Value as Figure, estimate, scattered,
-    stiffness,
-};
+use crate::estimate::{Calibration, GreyImage, Settings, Stiffness, estimate, scattered, stiffness};
 use crate::image_io::read_radiance;
+use crate::pages::images::{Measured, json, text};
 use crate::pipeline::view_of;
 use crate::scene::Scene;
 use crate::streams::Streams;
 use clap::Args;
-use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Read size, depth indicator and sum of grey values from images (PNG, TIFF, EXR); two images give a relative
@@ -36,14 +31,6 @@ pub(super) struct Estimate {
     full_scale_bits: Option<u32>,
     #[command(flatten)]
     talk: Talk,
-}
-
-/// One image and its figures.
-struct Measured {
-    path: PathBuf,
-    image: GreyImage,
-    threshold_grey: f64,
-    paper: PaperEstimate,
 }
 
 impl Estimate {
@@ -85,8 +72,8 @@ impl Estimate {
         let measured = self.images.iter().map(measure).collect::<Result<Vec<_>, Failure>>()?;
         let relative = relative_stiffness(&measured, &settings, calibration.as_ref());
         match self.talk.json {
-            true => print(&self.json(&measured, &relative).to_string())?,
-            false => print(&self.text(&measured, &relative))?,
+            true => print(&json(&measured, &relative, self.reading.reference.as_deref()).to_string())?,
+            false => print(&text(&measured, &relative))?,
         }
         Ok(Outcome::Done)
     }
@@ -136,65 +123,6 @@ impl Estimate {
         }
         Ok(image)
     }
-
-    fn json(&self, measured: &[Measured], relative: &Result<Stiffness, String>) -> Value {
-        let image = |one: &Measured| {
-            let mut paper = json!(one.paper);
-            paper["threshold_grey"] = json!(one.threshold_grey);
-            json!({
-                "image": one.path.display().to_string(),
-                "pixels": [one.image.width(), one.image.height()],
-                "paper": paper,
-                "estimates": Estimates::without_model(),
-            })
-        };
-        json!({
-            "images": measured.iter().map(image).collect::<Vec<_>>(),
-            "threshold_grey": common_threshold(measured),
-            "reference": self.reading.reference.as_ref().map(|path| path.display().to_string()),
-            "stiffness": match relative {
-                Ok(stiffness) => json!(stiffness),
-                Err(reason) => json!({"undefined": reason}),
-            },
-        })
-    }
-
-    fn text(&self, measured: &[Measured], relative: &Result<Stiffness, String>) -> String {
-        let row = |name: &str, value: String| (name.to_owned(), value);
-        let mut text = String::new();
-        for Measured { path, image, threshold_grey, paper } in measured {
-            let mut rows = vec![
-                row("pixels", format!("{} x {}", image.width(), image.height())),
-                row(
-                    "lit area",
-                    format!("{} (threshold {})", said(&paper.diameter_px, "pixels across"), figure(*threshold_grey)),
-                ),
-                row("", said(&paper.diameter_mm, "mm")),
-                row("centroid", format!("column {}", said(&paper.centroid_px.axis(0), "px"))),
-                row("", format!("row {}", said(&paper.centroid_px.axis(1), "px"))),
-                row("indicator h", said(&paper.h_grey, "grey levels")),
-                row("sum M", said(&paper.sum_grey, "grey levels")),
-            ];
-            rows.push(row("intervals", paper.intervals.to_owned()));
-            rows.extend(paper.warnings.iter().map(|warning| row("note", warning.clone())));
-            text.push_str(&format!("{}\n{}", path.display(), columns(&rows)));
-        }
-        let rows = match relative {
-            Ok(stiffness) => vec![
-                row("force", said(&stiffness.force_n, "N")),
-                row("pressure", said(&stiffness.pressure_kpa, "kPa")),
-                row("growth", said(&stiffness.deformation, "of the first diameter")),
-                row("stiffness", said(&stiffness.relative_stiffness_kpa, "kPa, relative")),
-            ],
-            Err(reason) => vec![row("stiffness", format!("undefined: {reason}"))],
-        };
-        text + &columns(&rows)
-    }
-}
-
-/// A figure with its interval, which holds no noise that a new image would show.
-fn said(value: &Figure, unit: &str) -> String {
-    said_within(value, unit, "rounding and counting")
 }
 
 /// What two images say about stiffness, or why they do not.
@@ -228,14 +156,4 @@ fn same_pixels(path: &Path, image: &GreyImage, scene: &Scene) -> Result<(), Fail
         scene.name
     );
     Err(Failure::input(message).in_file(path))
-}
-
-/// The threshold where it is the same for all images, grey levels.
-fn common_threshold(measured: &[Measured]) -> Value {
-    match measured {
-        [first, others @ ..] if others.iter().all(|one| one.threshold_grey == first.threshold_grey) => {
-            json!(first.threshold_grey)
-        }
-        _ => json!({"undefined": "the images end at different grey levels; each has its own"}),
-    }
 }

@@ -1,15 +1,15 @@
 //! `expose`: another frame of light that is traced already.
 
 use super::command;
-use super::facts::{columns, figure};
+use super::exposure::note_exposure;
 use super::flags::positive;
 use super::job::load_scene;
-use super::shot::note_exposure;
 use super::{Failure, Outcome, Talk, note, print};
 use crate::camera::{Frame, Suited, expose};
 use crate::film::Film;
 use crate::image_io::{Provenance, read_radiance};
 use crate::output::OutputFolder;
+use crate::pages::facts::{columns, figure};
 use crate::pipeline::{CameraSummary, view_of};
 use crate::report::{ColorScale, Raster, false_color};
 use crate::scene::{LoadedScene, load_alone, validate};

@@ -6,7 +6,6 @@ use crate::camera::top_grey;
 use crate::estimate::{Calibration, GreyImage, Settings};
 use crate::image_io::read_grey;
 use crate::pipeline::{self, ReadAs, Reference, Shot};
-use crate::report::Marks;
 use crate::scene::Camera;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -87,11 +86,6 @@ impl SceneReading {
         let path = self.image.reference.as_deref().unwrap_or(Path::new("reference"));
         shot.read(&ReadAs { threshold_grey, reference, calibration }).map_err(|error| failure(error, path))
     }
-}
-
-/// What is drawn on the frame that was measured.
-pub(super) fn marks(reading: &pipeline::Reading) -> Marks {
-    Marks { threshold: reading.threshold_grey, centroid_px: reading.paper.centroid_px.best().copied() }
 }
 
 /// An image less a reference; a mistake names the reference.

@@ -1,14 +1,15 @@
 //! `press`: mechanics only.
 
-use super::command;
-use super::facts::columns;
+use super::command::{self, command_line};
 use super::job::{load_scene, press_scene};
-use super::press_files::write_press;
-use super::press_page::press_report;
-use super::pressing::{PressFailure, press_rows};
+use super::pressing::PressFailure;
 use super::{Failure, Outcome, Talk, print};
 use crate::mechanics::press::{PressError, Pressed};
 use crate::output::OutputFolder;
+use crate::pages::facts::columns;
+use crate::pages::press::press_report;
+use crate::pages::press::press_rows;
+use crate::pages::press_files::write_press;
 use crate::pipeline::{PressSummary, Truth};
 use crate::scene::LoadedScene;
 use clap::Args;
@@ -70,7 +71,10 @@ impl Press {
         if let Some(failure) = stopped {
             folder.write("STOPPED.txt", &format!("{}\nThe files hold the loads before that.\n", failure.message()))?;
         }
-        folder.write("report.html", &press_report(loaded, pressed, &truth, &pictures, stopped).to_html())?;
+        folder.write(
+            "report.html",
+            &press_report(loaded, pressed, &truth, &pictures, stopped.map(Failure::message), command_line()).to_html(),
+        )?;
         let mut result = json!({"scene": name, "truth": truth, "mechanics": PressSummary::of(pressed)});
         if let Some(failure) = stopped {
             result["error"] = failure.json()["error"].take();

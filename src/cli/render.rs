@@ -1,10 +1,11 @@
 //! `render`: the light of a scene, as radiance and as the camera sees it.
 
-use super::command;
-use super::facts::{columns, facts, ledger};
+use super::command::{self, command_of_light};
+use super::exposure::note_exposure;
 use super::job::Job;
 use super::{Common, Failure, Outcome, print};
 use crate::output::OutputFolder;
+use crate::pages::facts::{columns, facts, ledger};
 use crate::pipeline::Truth;
 use clap::Args;
 use serde_json::json;
@@ -26,8 +27,8 @@ impl Render {
         let folder = OutputFolder::create(&common.destination(job.name()), common.force)?;
         let prepared = job.prepare()?;
         let shot = job.shoot(&prepared)?;
-        shot.note_exposure(common.talk.quiet);
-        let pictures = shot.write(&folder)?;
+        note_exposure(&shot.suited, prepared.scene().camera.sensor.exposure_ms, common.talk.quiet);
+        let pictures = shot.write_pictured(&folder, &command_of_light())?;
         let truth = Truth::of(prepared.scene().phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
         let mut summary = shot.summary();
         summary.stages_seconds.files = pictures.files_seconds;

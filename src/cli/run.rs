@@ -1,18 +1,16 @@
 //! `run`: from a scene to estimates and a report.
 
-use super::command;
-use super::facts::{columns, facts, figure, interval, ledger};
+use super::command::{self, command_line, command_of_light};
+use super::exposure::note_exposure;
 use super::job::Job;
 use super::measure::SceneReading;
-use super::page::report;
-use super::press_files::write_press;
-use super::pressing::press_rows;
-use super::truth::truth_rows;
 use super::{Common, Failure, Outcome, print};
-use crate::estimate::Value as Estimate;
 use crate::mechanics::press::Load;
 use crate::output::OutputFolder;
-use crate::pipeline::{NO_MECHANICS, Prepared, Reading, Reference, Shot, Truth};
+use crate::pages;
+use crate::pages::facts::figure;
+use crate::pages::press_files::write_press;
+use crate::pipeline::{Prepared, Reference, Truth};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -65,9 +63,9 @@ pub(super) fn whole_job(
         Loads::Last => Vec::new(),
     };
     let shot = job.shoot(&prepared)?;
-    shot.note_exposure(common.talk.quiet);
+    note_exposure(&shot.suited, scene.camera.sensor.exposure_ms, common.talk.quiet);
     let figures = reading.of_shot(&shot, reference.as_ref(), calibration.as_ref())?;
-    let pictures = shot.write(&folder)?;
+    let pictures = shot.write_pictured(&folder, &command_of_light())?;
     let seen = shot.camera_pictures(&figures, reading.reference_name().as_deref())?;
     folder.write("camera_false_color.svg", &seen.false_color)?;
     folder.write("camera_relief.svg", &seen.relief)?;
@@ -77,7 +75,16 @@ pub(super) fn whole_job(
         None => None,
     };
     let truth = Truth::of(scene.phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
-    let page = report(&shot, &figures, reading, &truth, &pictures, &seen, press.as_ref());
+    let page = pages::run::report(&pages::run::Run {
+        shot: &shot,
+        figures: &figures,
+        reference: reading.reference_name().as_deref(),
+        truth: &truth,
+        pictures: &pictures,
+        seen: &seen,
+        press: press.as_ref(),
+        command: command_line(),
+    });
     folder.write("report.html", &page.to_html())?;
     let mut summary = shot.run_summary(&figures, reading.reference_name(), truth);
     summary.shot.stages_seconds.files = pictures.files_seconds;
@@ -86,7 +93,7 @@ pub(super) fn whole_job(
     let done = command::commit(folder, Some(&job.loaded.text), result)?;
     match common.talk.json {
         true => print(&done.json)?,
-        false => print(&text(&shot, &figures, &summary.truth, &done.out))?,
+        false => print(&pages::run::text(&shot, &figures, &summary.truth, &done.out))?,
     }
     Ok(PathBuf::from(done.out))
 }
@@ -117,52 +124,4 @@ fn earlier_loads(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Resul
         frames.push(json!({"depth_mm": depth, "slide_mm": slide, "hold_s": hold, "file": file, "camera": camera}));
     }
     Ok(frames)
-}
-
-fn text(shot: &Shot, figures: &Reading, truth: &Truth, out: &str) -> String {
-    let (paper, estimates) = (&figures.paper, &figures.estimates);
-    let row = |name: &str, value: String| (name.to_owned(), value);
-    let mut rows = facts(shot);
-    match shot.prepared.pressed() {
-        Some((pressed, _)) => rows.extend(press_rows(pressed)),
-        None => rows.push(row("mechanics", format!("none: {NO_MECHANICS}"))),
-    }
-    rows.extend([
-        row("light", ledger(shot)),
-        row(
-            "lit area",
-            format!(
-                "{} (threshold {} grey levels)",
-                said(&paper.diameter_px, "pixels across"),
-                figure(figures.threshold_grey)
-            ),
-        ),
-        row("its diameter", said(&paper.diameter_mm, "mm")),
-        row("indicator h", said(&paper.h_grey, "grey levels")),
-        row("sum M", said(&paper.sum_grey, "grey levels")),
-        row("size", said(&estimates.size_mm, "mm")),
-        row("depth", said(&estimates.depth_mm, "mm")),
-        row("modulus", said(&estimates.youngs_kpa, "kPa")),
-    ]);
-    rows.extend(truth_rows(truth));
-    rows.extend(paper.warnings.iter().map(|warning| row("note", warning.clone())));
-    rows.push(row("folder", out.to_owned()));
-    rows.push(row("report", format!("{out}/report.html")));
-    format!("{}\n{}", shot.prepared.scene().name, columns(&rows))
-}
-
-/// A value with its 95 % interval, or why there is none.
-fn said(value: &Estimate, unit: &str) -> String {
-    said_within(value, unit, "95 %")
-}
-
-/// A value with its interval and what that is, or why there is none.
-pub(super) fn said_within(value: &Estimate, unit: &str, what: &str) -> String {
-    match value {
-        Estimate::Known { value, low, high } => {
-            let (value, range) = interval(*value, *low, *high);
-            format!("{value} {unit} ({what}: {range})")
-        }
-        Estimate::Undefined { reason } => format!("undefined: {reason}"),
-    }
 }

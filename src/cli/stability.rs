@@ -1,13 +1,11 @@
 //! `stability`: the extreme cases, each with its reference and its error.
 
-mod pictures;
-mod table;
-
 use super::command;
 use super::command::described;
 use super::flags::Backend;
 use super::{Failure, Outcome, Progress, Talk, cancel, note, print};
 use crate::output::OutputFolder;
+use crate::pages::stability::{pictures, table};
 use crate::stability::{CHECKS, Context, Row, Tracer, membrane};
 use crate::trace::TraceError;
 use crate::trace::gpu::Gpu;

@@ -5,10 +5,12 @@
 //! a rung is a mesh or a number of load steps, its error the difference to a finer mesh, and the interval what that
 //! mesh itself may be off by.
 
+mod climb;
 pub mod light;
 pub mod mechanics;
 mod statistics;
 
+pub use climb::{Climb, ClimbError, Part};
 pub use statistics::{fitted_slope, is_lit, is_soft, pareto, square_error};
 
 use serde::{Deserialize, Serialize};
@@ -76,3 +78,14 @@ pub const FAMILIES: [Family; 7] = [
     },
     Family { name: "load steps", title: "load steps", slopes: &[] },
 ];
+
+/// Ladders that were climbed.
+#[derive(Debug, Clone)]
+pub struct Ladders {
+    /// All rungs.
+    pub rungs: Vec<Rung>,
+    /// What the light was compared with, or why there is no error of the light.
+    pub light: Result<String, String>,
+    /// The same of the mechanics.
+    pub mechanics: Result<String, String>,
+}

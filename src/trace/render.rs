@@ -284,7 +284,7 @@ pub fn render_on(
     let mut longest = 0.0f64;
     loop {
         let timer = Instant::now();
-        let mut observe = |Stage { done: part, what }| {
+        let mut observe = |Stage { done: part, what }: Stage| {
             let done = match settings.seconds {
                 Some(budget) => start.elapsed().as_secs_f64() / budget,
                 None => before + (1.0 - before) * (f64::from(index) + part) / f64::from(replicates.max(index + 1)),

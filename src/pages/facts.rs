@@ -1,10 +1,11 @@
 //! The figures of a shot in words, for the terminal and the report.
 
+use crate::estimate::Value as Estimate;
 use crate::film::RADIANCE_UNIT;
 use crate::pipeline::{Shot, segments_per_second};
 
 /// Name and value of what was computed, in reading order.
-pub(super) fn facts(shot: &Shot) -> Vec<(String, String)> {
+pub fn facts(shot: &Shot) -> Vec<(String, String)> {
     let outcome = &shot.outcome;
     let fact = |name: &str, value: String| (name.to_owned(), value);
     vec![
@@ -39,7 +40,7 @@ pub(super) fn facts(shot: &Shot) -> Vec<(String, String)> {
 const AREA_PIXELS: u32 = 16;
 
 /// Mean radiance with its error, or how dark a dark image is.
-pub(super) fn mean_radiance(shot: &Shot) -> String {
+pub fn mean_radiance(shot: &Shot) -> String {
     let outcome = &shot.outcome;
     match (outcome.unseen.mean_below, outcome.relative_error) {
         (Some(_), _) if outcome.unseen.known_dark.is_some() => {
@@ -80,7 +81,7 @@ fn camera(shot: &Shot) -> String {
 }
 
 /// Where the light went, in per cent of what the LEDs emit, without what is nothing.
-pub(super) fn ledger(shot: &Shot) -> String {
+pub fn ledger(shot: &Shot) -> String {
     let ledger = &shot.outcome.ledger;
     let parts = [
         ("absorbed", ledger.absorbed),
@@ -95,14 +96,30 @@ pub(super) fn ledger(shot: &Shot) -> String {
     format!("{} (residual {})", said.join(", "), figure(ledger.residual))
 }
 
+/// A value with its 95 % interval, or why there is none.
+pub fn said(value: &Estimate, unit: &str) -> String {
+    said_within(value, unit, "95 %")
+}
+
+/// A value with its interval and what that is, or why there is none.
+pub fn said_within(value: &Estimate, unit: &str, what: &str) -> String {
+    match value {
+        Estimate::Known { value, low, high } => {
+            let (value, range) = interval(*value, *low, *high);
+            format!("{value} {unit} ({what}: {range})")
+        }
+        Estimate::Undefined { reason } => format!("undefined: {reason}"),
+    }
+}
+
 /// Rows of name and value, the values aligned.
-pub(super) fn columns(rows: &[(String, String)]) -> String {
+pub fn columns(rows: &[(String, String)]) -> String {
     let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     rows.iter().map(|(name, value)| format!("  {name:width$}  {value}\n")).collect()
 }
 
 /// Three significant digits, in powers of ten where that is shorter.
-pub(super) fn figure(value: f64) -> String {
+pub fn figure(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
@@ -118,7 +135,7 @@ pub(super) fn figure(value: f64) -> String {
 }
 
 /// A value and its interval with two digits of the interval's half width.
-pub(super) fn interval(value: f64, low: f64, high: f64) -> (String, String) {
+pub fn interval(value: f64, low: f64, high: f64) -> (String, String) {
     let half_width = 0.5 * (high - low);
     let decimals = match half_width > 0.0 {
         true => (1.0 - half_width.log10().floor()).clamp(0.0, 9.0) as usize,

@@ -1,14 +1,14 @@
 //! The report of frames.
 
-use super::super::facts::figure;
-use super::super::truth::truth_table;
 use super::pictures::Pictures;
 use super::{Reading, rounded, said};
 use crate::figure::Figure;
+use crate::pages::facts::figure;
+use crate::pages::truth::truth_table;
 use crate::report::{Item, Report, Section, Table};
 
 /// Makes the report.
-pub(super) fn report(reading: &Reading, pictures: &Pictures) -> Report {
+pub fn report(reading: &Reading, pictures: &Pictures) -> Report {
     let source = &reading.source;
     let mut sections = vec![frames(reading, pictures), features(reading, pictures)];
     if let (Some(computed), Some(svg)) = (&source.computed, &pictures.pressed) {

@@ -1,8 +1,8 @@
 //! Files and pictures of a press.
 
-use super::Failure;
+use super::PageError;
+use super::press::load_name;
 use super::press_vtu::write_vtu;
-use super::pressing::load_name;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::press::{Load, PressStep, Pressed, element_pressure};
 use crate::output::OutputFolder;
@@ -13,7 +13,7 @@ use crate::surface::pressed::pressure_map;
 use std::fmt::Write;
 
 /// The pictures of a press, as SVG.
-pub(super) struct PressPictures {
+pub struct PressPictures {
     /// Deformed mesh; none in three dimensions.
     pub mesh: Option<String>,
     /// Contact pressure along r, or over the face in three dimensions.
@@ -21,12 +21,12 @@ pub(super) struct PressPictures {
 }
 
 /// Writes contact.csv, deformed.vtu and deformed.pvd, and the pictures.
-pub(super) fn write_press(
+pub fn write_press(
     name: &str,
     pressed: &Pressed,
     lift_mm: f64,
     folder: &OutputFolder,
-) -> Result<PressPictures, Failure> {
+) -> Result<PressPictures, PageError> {
     folder.write("contact.csv", &contact_csv(pressed))?;
     write_vtu(pressed, lift_mm, folder)?;
     let pictures = pictures(name, pressed)?;
@@ -68,7 +68,7 @@ fn contact_csv(pressed: &Pressed) -> String {
     csv
 }
 
-fn pictures(name: &str, pressed: &Pressed) -> Result<PressPictures, Failure> {
+fn pictures(name: &str, pressed: &Pressed) -> Result<PressPictures, PageError> {
     let last = pressed.steps.last();
     let solid = pressed.setup.kinematics == Kinematics::ThreeDimensional;
     let mesh = match last.filter(|_| !solid) {
@@ -82,7 +82,7 @@ fn pictures(name: &str, pressed: &Pressed) -> Result<PressPictures, Failure> {
     Ok(PressPictures { mesh, pressure })
 }
 
-fn mesh(name: &str, pressed: &Pressed, step: &PressStep) -> Result<String, Failure> {
+fn mesh(name: &str, pressed: &Pressed, step: &PressStep) -> Result<String, PageError> {
     let values = element_pressure(&pressed.assembly.problem, &step.state);
     let (mut node, mut value) = (0, 0);
     let bodies = pressed.assembly.bodies.iter().map(|mesh| {
@@ -107,7 +107,7 @@ fn mesh(name: &str, pressed: &Pressed, step: &PressStep) -> Result<String, Failu
     })?)
 }
 
-fn curves(name: &str, pressed: &Pressed) -> Result<String, Failure> {
+fn curves(name: &str, pressed: &Pressed) -> Result<String, PageError> {
     let curve = |step: &PressStep| {
         let place = |point: &crate::mechanics::press::ContactPoint| point.reference_mm[0] + point.displacement_mm[0];
         let points: Vec<[f64; 2]> = step.points.iter().map(|p| [place(p), p.pressure_kpa]).collect();
@@ -128,7 +128,7 @@ fn curves(name: &str, pressed: &Pressed) -> Result<String, Failure> {
 /// Cells along the longer side of the pressure's picture in three dimensions.
 const MAP_CELLS: usize = 256;
 
-fn map(name: &str, pressed: &Pressed, step: &PressStep) -> Result<String, Failure> {
+fn map(name: &str, pressed: &Pressed, step: &PressStep) -> Result<String, PageError> {
     let reach = pressed.setup.phantom.footprint.half_widths_mm();
     let (columns, rows, mut values) = pressure_map(pressed, step, reach.map(|half| 2.0 * half), MAP_CELLS);
     values = values.chunks(columns).rev().flatten().copied().collect();

@@ -1,17 +1,17 @@
 //! The pictures of frames.
 
-use super::super::Failure;
-use super::super::facts::figure;
 use super::{Computed, Reading};
 use crate::figure::Figure;
 use crate::mechanics::frames::Features;
+use crate::pages::PageError;
+use crate::pages::facts::figure;
 use crate::report::{
     AxisName, Curve, CurvePlot, CurveStyle, FramePicture, MeshBody, MeshPicture, MeshValues, curve_plot, frame_picture,
     frames_image, mesh_picture,
 };
 
 /// The pictures, as SVG.
-pub(super) struct Pictures {
+pub struct Pictures {
     /// All frames as an image.
     pub frames: String,
     /// The shown frame with its fit.
@@ -30,7 +30,7 @@ const POSITION: AxisName = AxisName { quantity: "position of the indenter", unit
 
 impl Pictures {
     /// Draws them.
-    pub fn draw(reading: &Reading) -> Result<Self, Failure> {
+    pub fn draw(reading: &Reading) -> Result<Self, PageError> {
         let (source, all) = (&reading.source, &reading.features);
         let name = &source.name;
         let middle = source.computed.as_ref().is_some_and(|computed| computed.has_middle);
@@ -94,7 +94,7 @@ fn curve(name: &str, all: &[Features], pick: fn(&Features) -> &Figure) -> Vec<Cu
 const VIEW: f64 = 1.6;
 
 /// The tissue pressed at the shown position, with the indenter below it.
-fn pressed(name: &str, computed: &Computed) -> Result<String, Failure> {
+fn pressed(name: &str, computed: &Computed) -> Result<String, PageError> {
     let (setup, shown) = (&computed.setup, &computed.scanned.shown);
     let half = setup.places_mm.last().copied().unwrap_or(1.0);
     let indenter = setup.indenter_mesh(shown.position_mm, half, 0.1 * half);

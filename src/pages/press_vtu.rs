@@ -1,6 +1,6 @@
 //! A press for ParaView: deformed.vtu of the last load, those before it, and deformed.pvd, which lists them all.
 
-use super::Failure;
+use super::PageError;
 use crate::mechanics::mesh::Whole;
 use crate::mechanics::press::{PressStep, Pressed, element_least_jacobian, element_pressure, element_stress};
 use crate::output::OutputFolder;
@@ -8,14 +8,14 @@ use crate::report::{Values, Vtu, VtuError};
 use std::fmt::Write;
 
 /// Writes the whole bodies at each load.
-pub(super) fn write_vtu(pressed: &Pressed, lift_mm: f64, folder: &OutputFolder) -> Result<(), Failure> {
+pub fn write_vtu(pressed: &Pressed, lift_mm: f64, folder: &OutputFolder) -> Result<(), PageError> {
     let wholes: Vec<Whole> =
         pressed.assembly.bodies.iter().map(|mesh| mesh.whole(pressed.setup.phantom.symmetry)).collect();
     let count = pressed.steps.len();
     let mut list = String::new();
     for (number, step) in (1..).zip(&pressed.steps) {
         let name = if number == count { "deformed.vtu".to_owned() } else { format!("deformed_{number}.vtu") };
-        let vtu = vtu(pressed, step, &wholes, lift_mm).map_err(|error| Failure::failed(format!("{name}: {error}")))?;
+        let vtu = vtu(pressed, step, &wholes, lift_mm).map_err(|error| PageError::Vtu { file: name.clone(), error })?;
         folder.write_bytes(&name, &vtu.to_bytes())?;
         let _ = writeln!(list, "<DataSet timestep=\"{number}\" part=\"0\" file=\"{name}\"/>");
     }

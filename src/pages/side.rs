@@ -1,6 +1,6 @@
 //! The side view of a scene: the stack in the section y = 0 with some rays.
 
-use super::Failure;
+use super::PageError;
 use crate::pipeline::{Prepared, view_of};
 use crate::report::side_view::{SideLayer, SideLed};
 use crate::report::{Fate, RayPolyline, SideView, side_view};
@@ -21,7 +21,7 @@ const DRAWN: [(Fate, bool, usize); 5] = [
 const PLACES: usize = 301;
 
 /// Draws the side view.
-pub(super) fn side_picture(prepared: &Prepared, seed: u32) -> Result<String, Failure> {
+pub fn side_picture(prepared: &Prepared, seed: u32) -> Result<String, PageError> {
     let scene = prepared.scene();
     let lambda = scene.light.wavelength_nm;
     let half_width_mm = 0.5 * scene.stack.footprint_mm[0];
@@ -54,7 +54,7 @@ pub(super) fn side_picture(prepared: &Prepared, seed: u32) -> Result<String, Fai
 }
 
 /// The right edge of the camera's field of view as (x, z), up to the side wall.
-fn view_edge(prepared: &Prepared, half_width_mm: f64) -> Result<Vec<[f64; 2]>, Failure> {
+fn view_edge(prepared: &Prepared, half_width_mm: f64) -> Result<Vec<[f64; 2]>, PageError> {
     let [width, height] = prepared.scene().camera.pixels.map(f64::from);
     let ray: Vec<[f64; 2]> =
         view_of(prepared.scene())?.ray_mm([width, 0.5 * height]).iter().map(|&[x, _, z]| [x, z]).collect();

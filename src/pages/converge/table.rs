@@ -1,9 +1,8 @@
 //! The rungs as text, CSV and JSON.
 
-use super::climb::Found;
-use crate::cli::Failure;
-use crate::cli::facts::figure;
-use crate::converge::{FAMILIES, Rung, fitted_slope, pareto};
+use crate::converge::{FAMILIES, Ladders, Rung, fitted_slope, pareto};
+use crate::pages::PageError;
+use crate::pages::facts::figure;
 use serde_json::{Value, json};
 
 /// Rungs of one family with what they are worth.
@@ -14,7 +13,7 @@ fn family<'a>(rungs: &'a [Rung], name: &str) -> Vec<(&'a Rung, bool)> {
 }
 
 /// Names of the series of a family, in their order.
-pub(super) fn series(members: &[&Rung]) -> Vec<String> {
+pub fn series(members: &[&Rung]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for rung in members {
         if !names.contains(&rung.series) {
@@ -25,7 +24,7 @@ pub(super) fn series(members: &[&Rung]) -> Vec<String> {
 }
 
 /// What `--json` says.
-pub(super) fn json(name: &str, found: &Found) -> Value {
+pub fn json(name: &str, found: &Ladders) -> Value {
     let rung = |(rung, front): (&Rung, bool)| {
         let mut value = json!(rung);
         value["pareto"] = json!(front);
@@ -58,11 +57,11 @@ pub(super) fn json(name: &str, found: &Found) -> Value {
 }
 
 /// All rungs as CSV.
-pub(super) fn csv(rungs: &[Rung]) -> Result<String, Failure> {
+pub fn csv(rungs: &[Rung]) -> Result<String, PageError> {
     let heading = "family,series,setting,level,quantity,error,error_low,error_high,seconds,repeats,default,pareto";
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let failed = |error: String| Failure::failed(format!("converge.csv: {error}"));
-    writer.write_record(heading.split(',')).map_err(|error| failed(error.to_string()))?;
+    let failed = |error: csv::Error| PageError::Table { file: "converge.csv", error };
+    writer.write_record(heading.split(',')).map_err(failed)?;
     for entry in FAMILIES {
         for (rung, front) in family(rungs, entry.name) {
             let level = rung.level.map_or_else(String::new, |level| level.to_string());
@@ -80,15 +79,15 @@ pub(super) fn csv(rungs: &[Rung]) -> Result<String, Failure> {
                 rung.is_default.to_string(),
                 front.to_string(),
             ];
-            writer.write_record(row).map_err(|error| failed(error.to_string()))?;
+            writer.write_record(row).map_err(failed)?;
         }
     }
-    let bytes = writer.into_inner().map_err(|error| failed(error.to_string()))?;
-    String::from_utf8(bytes).map_err(|error| failed(error.to_string()))
+    let bytes = writer.into_inner().map_err(|error| failed(error.into_error().into()))?;
+    String::from_utf8(bytes).map_err(|error| failed(std::io::Error::other(error).into()))
 }
 
 /// All rungs for reading.
-pub(super) fn text(name: &str, found: &Found, out: &str) -> String {
+pub fn text(name: &str, found: &Ladders, out: &str) -> String {
     let mut lines = vec![name.to_owned()];
     for (part, reference) in [("light", &found.light), ("mechanics", &found.mechanics)] {
         lines.push(match reference {

@@ -5,7 +5,7 @@ use crate::pipeline::{TrueInclusion, Truth};
 use crate::report::{Item, Table};
 
 /// In a line for each inclusion.
-pub(super) fn truth_rows(truth: &Truth) -> Vec<(String, String)> {
+pub fn truth_rows(truth: &Truth) -> Vec<(String, String)> {
     let row = |words: String| ("true inclusion".to_owned(), words);
     let words = |one: &TrueInclusion| {
         let [size, depth, modulus] = [one.size_mm, one.depth_mm, one.youngs_kpa].map(figure);
@@ -19,7 +19,7 @@ pub(super) fn truth_rows(truth: &Truth) -> Vec<(String, String)> {
 }
 
 /// The inclusions as a table of a report, if there are any.
-pub(super) fn truth_table(truth: &Truth) -> Option<Item> {
+pub fn truth_table(truth: &Truth) -> Option<Item> {
     let itself = truth.phantom_youngs_kpa.value().filter(|_| !truth.inclusions.is_empty())?;
     let row = |one: &TrueInclusion| [one.size_mm, one.depth_mm, one.youngs_kpa].map(figure).to_vec();
     Some(Item::Table(Table {

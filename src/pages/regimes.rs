@@ -12,7 +12,7 @@ const COPIED_DEG: f64 = 1e-3;
 
 /// The angles of one layer.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct LayerAngles {
+pub struct LayerAngles {
     pub name: String,
     pub n: f64,
     pub thickness_mm: f64,
@@ -33,7 +33,7 @@ impl LayerAngles {
 }
 
 /// The angles of every layer, touch side first.
-pub(super) fn layers(prepared: &Prepared) -> Vec<LayerAngles> {
+pub fn layers(prepared: &Prepared) -> Vec<LayerAngles> {
     let stack = &prepared.scene().stack;
     let n_0 = stack.surround_n;
     let angles = |layer: &crate::scene::Layer| {
@@ -60,7 +60,7 @@ pub(super) fn layers(prepared: &Prepared) -> Vec<LayerAngles> {
 }
 
 /// The sentences, from the LEDs to the camera.
-pub(super) fn regimes(prepared: &Prepared, layers: &[LayerAngles]) -> Vec<String> {
+pub fn regimes(prepared: &Prepared, layers: &[LayerAngles]) -> Vec<String> {
     let touched = prepared.contact.is_some();
     let smooth = !rough(prepared);
     let undisturbed = !touched && smooth && matches!(prepared.scene().touch.shape, Shape::Flat);

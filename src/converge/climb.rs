@@ -1,89 +1,92 @@
 //! Climbs the ladders of a scene, rung by rung.
 
-use super::Only;
-use crate::cli::facts::figure;
-use crate::cli::job::watched;
-use crate::cli::pressing::PressFailure;
-use crate::cli::{Failure, Progress, cancel};
-use crate::converge::light::{Choice, LightError, Subject};
-use crate::converge::mechanics::{self, Found as PressFound};
-use crate::converge::{Rung, is_lit};
+use super::light::{Choice, LightError, Subject};
+use super::mechanics::{self, Found as PressFound};
+use super::{Ladders, Rung, is_lit};
 use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::press::{Load, PressError, PressSettings, Pressed, press};
-use crate::output::Records;
-use crate::progress::Stage;
+use crate::output::{OutputError, Records};
+use crate::progress::{Observer, Stage};
 use crate::scene::LoadedScene;
 use crate::trace::{Devices, Settings};
-use std::path::Path;
+use thiserror::Error;
+
+/// Why ladders were not climbed to their end.
+#[derive(Debug, Error)]
+#[allow(missing_docs)] // each variant is the error of one part
+pub enum ClimbError {
+    #[error(transparent)]
+    Light(#[from] LightError),
+    #[error(transparent)]
+    Press(#[from] PressError),
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// Which ladders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Light alone; a press is run once.
+    Light,
+    /// Mechanics alone.
+    Mechanics,
+}
 
 /// What is climbed, and how far.
-pub(super) struct Climb<'a> {
+pub struct Climb<'a> {
+    /// The scene, its camera as wanted.
     pub loaded: &'a LoadedScene,
-    pub file: &'a Path,
+    /// What is asked of the light.
     pub settings: Settings,
+    /// What traces it.
     pub devices: &'a Devices,
+    /// Highest samples a pixel.
     pub most_spp: u32,
+    /// Few and low rungs.
     pub quick: bool,
-    pub only: Option<Only>,
-    pub quiet: bool,
-}
-
-/// What was found.
-pub(super) struct Found {
-    pub rungs: Vec<Rung>,
-    /// What the light was compared with, or why there is no error of the light.
-    pub light: Result<String, String>,
-    /// The same of the mechanics.
-    pub mechanics: Result<String, String>,
-}
-
-impl From<LightError> for Failure {
-    fn from(error: LightError) -> Self {
-        match error {
-            LightError::Surface(error) => error.into(),
-            LightError::Trace(error) => error.into(),
-            LightError::Size => Self::failed(error.to_string()),
-        }
-    }
+    /// Part of them alone.
+    pub only: Option<Part>,
 }
 
 impl Climb<'_> {
     /// Climbs all ladders, taking what the records already have.
-    pub fn run(&self, records: &Records) -> Result<Found, Failure> {
+    ///
+    /// # Errors
+    /// Those of a stage, of the records, and a stop.
+    pub fn run(&self, records: &Records, observe: &mut Observer) -> Result<Ladders, ClimbError> {
         let mut rungs = Vec::new();
         let mechanics = match self.only {
-            Some(Only::Light) => Err("not asked for".to_owned()),
+            Some(Part::Light) => Err("not asked for".to_owned()),
             _ if self.loaded.scene.press.is_none() => Err("the scene presses nothing".to_owned()),
-            _ => self.mechanics(records, &mut rungs)?,
+            _ => self.mechanics(records, &mut rungs, observe)?,
         };
         let light = match self.only {
-            Some(Only::Mechanics) => Err("not asked for".to_owned()),
-            _ => self.light(records, &mut rungs)?,
+            Some(Part::Mechanics) => Err("not asked for".to_owned()),
+            _ => self.light(records, &mut rungs, observe)?,
         };
-        Ok(Found { rungs, light, mechanics })
+        Ok(Ladders { rungs, light, mechanics })
     }
 
-    fn press_failure(&self, error: PressError) -> Failure {
-        PressFailure::of(error, self.file).failure
-    }
-
-    fn mechanics(&self, records: &Records, rungs: &mut Vec<Rung>) -> Result<Result<String, String>, Failure> {
-        let setup = press_setup(self.loaded).map_err(|error| self.press_failure(error))?;
+    fn mechanics(
+        &self,
+        records: &Records,
+        rungs: &mut Vec<Rung>,
+        observe: &mut Observer,
+    ) -> Result<Result<String, String>, ClimbError> {
+        let setup = press_setup(self.loaded)?;
         let choices = mechanics::choices(&setup, self.quick);
         // Work grows about with the cube of the divisions: that of a step is that of a mesh.
         let cost = |choice: &mechanics::Choice| (choice.setup.phantom.resolution.subdivision as f64).powi(3);
         let total: f64 = choices.iter().map(cost).sum();
-        let progress = Progress::new(self.quiet);
         let (mut before, mut all) = (0.0, Vec::new());
         for choice in choices {
             let what = format!("pressing, {}", choice.setting);
             let name = format!("press-{}-{}", choice.family.replace(' ', "-"), choice.level);
             let found: PressFound = records.item_or(&name, || {
-                let found = mechanics::run(&choice.setup, &mut |stage| {
-                    progress.observe((before + stage.done * cost(&choice)) / total, &what);
-                    !cancel::requested()
-                });
-                found.map_err(|error| self.press_failure(error))
+                let done = |stage: Stage| (before + stage.done * cost(&choice)) / total;
+                let found =
+                    mechanics::run(&choice.setup, &mut |stage| observe(Stage { done: done(stage), what: &what }));
+                found.map_err(ClimbError::from)
             })?;
             before += cost(&choice);
             all.push((choice, found));
@@ -97,14 +100,19 @@ impl Climb<'_> {
         };
         Ok(match (reference, mechanics::common_load(&all, mechanics::MESH)) {
             (Some((choice, found)), Some(load)) => {
-                Ok(format!("{}, {} unknowns, at {} {unit}", choice.setting, found.unknowns, figure(load)))
+                Ok(format!("{}, {} unknowns, at {} {unit}", choice.setting, found.unknowns, load))
             }
             _ => Err("no load was reached on every mesh".to_owned()),
         })
     }
 
-    fn light(&self, records: &Records, rungs: &mut Vec<Rung>) -> Result<Result<String, String>, Failure> {
-        let pressed = self.pressed()?;
+    fn light(
+        &self,
+        records: &Records,
+        rungs: &mut Vec<Rung>,
+        observe: &mut Observer,
+    ) -> Result<Result<String, String>, ClimbError> {
+        let pressed = self.pressed(observe)?;
         let step = pressed.as_ref().and_then(|pressed| Some((pressed, pressed.steps.last()?)));
         let subject = Subject {
             loaded: self.loaded,
@@ -119,13 +127,10 @@ impl Climb<'_> {
         let choices = subject.choices()?;
         let cost = |choice: &Choice| f64::from(choice.spp) * f64::from(subject.repeats);
         let total = f64::from(reference.spp) + choices.iter().map(cost).sum::<f64>();
-        let progress = Progress::new(self.quiet);
         let film = records.film_or("reference", || {
-            let observe = &mut |stage: Stage| {
-                progress.observe(f64::from(reference.spp) / total * stage.done, "reference");
-                !cancel::requested()
-            };
-            Ok::<_, Failure>(subject.render_reference(&reference, observe)?)
+            let share = f64::from(reference.spp) / total;
+            let observe = &mut |stage: Stage| observe(Stage { done: share * stage.done, what: "reference" });
+            Ok::<_, ClimbError>(subject.render_reference(&reference, observe)?)
         })?;
         if film.mean.iter().all(|&mean| mean == 0.0) || !is_lit(&film).contains(&true) {
             return Ok(Err("the image is dark: it has no relative error".to_owned()));
@@ -136,11 +141,9 @@ impl Climb<'_> {
             let name: String =
                 name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' }).collect();
             let found: Vec<Rung> = records.item_or(&name, || {
-                let observe = &mut |stage: Stage| {
-                    progress.observe((before + stage.done * cost(choice)) / total, &choice.setting);
-                    !cancel::requested()
-                };
-                Ok::<_, Failure>(subject.measure(choice, &film, observe)?)
+                let done = |stage: Stage| (before + stage.done * cost(choice)) / total;
+                let observe = &mut |stage: Stage| observe(Stage { done: done(stage), what: &choice.setting });
+                Ok::<_, ClimbError>(subject.measure(choice, &film, observe)?)
             })?;
             rungs.extend(found);
             before += cost(choice);
@@ -149,12 +152,11 @@ impl Climb<'_> {
     }
 
     /// The scene's press, where it has one.
-    fn pressed(&self) -> Result<Option<Pressed>, Failure> {
+    fn pressed(&self, observe: &mut Observer) -> Result<Option<Pressed>, ClimbError> {
         if self.loaded.scene.press.is_none() {
             return Ok(None);
         }
-        let setup = press_setup(self.loaded).map_err(|error| self.press_failure(error))?;
-        let pressed = watched(self.quiet, |observe| press(&setup, PressSettings::default(), observe));
-        pressed.map(Some).map_err(|error| self.press_failure(error))
+        let setup = press_setup(self.loaded)?;
+        Ok(Some(press(&setup, PressSettings::default(), observe)?))
     }
 }

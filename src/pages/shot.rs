@@ -1,25 +1,21 @@
-//! What is said and shown of a shot, and its files.
+//! Pictures and files of a shot.
 
-use super::command::command_of_light;
-use super::facts::figure;
-use super::measure::marks;
+use super::PageError;
 use super::side::side_picture;
-use super::{Failure, note};
-use crate::camera::Suited;
 use crate::film::RADIANCE_UNIT;
 use crate::output::OutputFolder;
 use crate::pipeline::{Reading, Shot};
-use crate::report::{ColorScale, Raster, false_color, false_color_with, relief};
+use crate::report::{ColorScale, Marks, Raster, false_color, false_color_with, relief};
 use std::time::Instant;
 
 /// Pictures of the camera's frame, as SVG.
-pub(super) struct CameraPictures {
+pub struct CameraPictures {
     pub false_color: String,
     pub relief: String,
 }
 
 /// The pictures of a shot, as SVG.
-pub(super) struct Pictures {
+pub struct Pictures {
     pub radiance: String,
     pub relief: String,
     pub side: String,
@@ -28,10 +24,10 @@ pub(super) struct Pictures {
 }
 
 impl Shot<'_> {
-    /// Writes radiance, camera image and pictures.
-    pub(super) fn write(&self, folder: &OutputFolder) -> Result<Pictures, Failure> {
+    /// Writes radiance, camera image and pictures; `command` goes into the header of the radiance.
+    pub(crate) fn write_pictured(&self, folder: &OutputFolder, command: &str) -> Result<Pictures, PageError> {
         let start = Instant::now();
-        self.write_radiance(&folder.path("radiance.exr"), &command_of_light())?;
+        self.write_radiance(&folder.path("radiance.exr"), command)?;
         self.frame.write_png(&folder.path("camera.png"))?;
         let mut pictures = self.pictures()?;
         folder.write("radiance.svg", &pictures.radiance)?;
@@ -41,7 +37,7 @@ impl Shot<'_> {
         Ok(pictures)
     }
 
-    fn pictures(&self) -> Result<Pictures, Failure> {
+    fn pictures(&self) -> Result<Pictures, PageError> {
         let values: Vec<f64> = self.outcome.film.mean.iter().map(|&v| f64::from(v)).collect();
         let raster = self.raster(&values, "radiance", RADIANCE_UNIT);
         let title = format!("{}: radiance", self.prepared.scene().name);
@@ -56,7 +52,7 @@ impl Shot<'_> {
 
     /// The frame that was measured, in false colour with what was measured, and as a relief. `less` is what was
     /// subtracted.
-    pub(super) fn camera_pictures(&self, figures: &Reading, less: Option<&str>) -> Result<CameraPictures, Failure> {
+    pub(crate) fn camera_pictures(&self, figures: &Reading, less: Option<&str>) -> Result<CameraPictures, PageError> {
         let raster = self.raster(figures.image.grey(), "grey level", "");
         let less = less.map_or_else(String::new, |name| format!(" less {name}"));
         let title = format!("{}: camera{less}", self.prepared.scene().name);
@@ -70,26 +66,11 @@ impl Shot<'_> {
         let (width, height) = (self.frame.width as usize, self.frame.height as usize);
         Raster { width, height, values, quantity, unit, mm_per_pixel: Some(self.mm_per_pixel) }
     }
-
-    /// Notes an exposure that does not suit the image, unless `quiet`.
-    pub(super) fn note_exposure(&self, quiet: bool) {
-        note_exposure(&self.suited, self.prepared.scene().camera.sensor.exposure_ms, quiet);
-    }
 }
 
-/// Notes an exposure time that does not suit the image, unless `quiet`.
-pub(super) fn note_exposure(suited: &Suited, exposure_ms: f64, quiet: bool) {
-    let wrong = match suited {
-        _ if suited.is_dim() => "too dark",
-        _ if suited.is_saturated() => "saturated",
-        _ => return,
-    };
-    if let (Some(suggested_ms), false) = (suited.suggested_ms(), quiet) {
-        let (now, suits) = (figure(exposure_ms), figure(suggested_ms));
-        note(&format!(
-            "the image is {wrong} at an exposure of {now} ms; {suits} ms would suit it (`expose` takes it anew)"
-        ));
-    }
+/// What is drawn on the frame that was measured.
+pub fn marks(reading: &Reading) -> Marks {
+    Marks { threshold: reading.threshold_grey, centroid_px: reading.paper.centroid_px.best().copied() }
 }
 
 /// Logarithmic where a few pixels (glints) are far brighter than the hundredth brightest and dimmer ones lie more than

@@ -1,24 +1,13 @@
 //! Curves of the extreme cases.
 
-use crate::cli::Failure;
 use crate::output::OutputFolder;
+use crate::pages::PageError;
 use crate::report::{AxisName, Curve, CurvePlot, CurveStyle, LogPlot, LogPoint, LogSeries, LogStyle};
 use crate::report::{curve_plot, log_plot};
-use crate::stability::{
-    Context, DriftSample, Sample, StabilityError, Tracer, about_critical, drift_curve, pressure_errors,
-};
-
-impl From<StabilityError> for Failure {
-    fn from(error: StabilityError) -> Self {
-        match error {
-            StabilityError::Trace(error) => error.into(),
-            error => Self::failed(error.to_string()),
-        }
-    }
-}
+use crate::stability::{Context, DriftSample, Sample, Tracer, about_critical, drift_curve, pressure_errors};
 
 /// Writes all pictures.
-pub(super) fn write(context: &Context, folder: &OutputFolder) -> Result<(), Failure> {
+pub fn write(context: &Context, folder: &OutputFolder) -> Result<(), PageError> {
     folder.write("reflectance.svg", &reflectance(context)?)?;
     folder.write("reflectance_error.svg", &reflectance_error(context)?)?;
     folder.write("drift.svg", &drift(context)?)?;
@@ -26,7 +15,7 @@ pub(super) fn write(context: &Context, folder: &OutputFolder) -> Result<(), Fail
 }
 
 /// Reflectance within a tenth of a milliradian of the critical angle of a small step.
-fn reflectance(context: &Context) -> Result<String, Failure> {
+fn reflectance(context: &Context) -> Result<String, PageError> {
     let offsets: Vec<f64> = (-100..=20).map(|k| 1e-6 * f64::from(k)).collect();
     let mut curves = Vec::new();
     for (k, tracer) in context.tracers.iter().enumerate() {
@@ -51,7 +40,7 @@ fn reflectance(context: &Context) -> Result<String, Failure> {
 }
 
 /// Its error from 1e-1 to 1e-7 rad below the critical angle, for several steps of the index.
-fn reflectance_error(context: &Context) -> Result<String, Failure> {
+fn reflectance_error(context: &Context) -> Result<String, PageError> {
     let (mut series, mut allowed) = (Vec::new(), Vec::new());
     let sizes: Vec<f64> = (0..=240).map(|k| 10f64.powf(-1.0 - f64::from(k) / 40.0)).collect();
     let offsets: Vec<f64> = sizes.iter().map(|s| -s).collect();
@@ -79,7 +68,7 @@ fn reflectance_error(context: &Context) -> Result<String, Failure> {
 }
 
 /// Drift of the momentum's length against bounces.
-fn drift(context: &Context) -> Result<String, Failure> {
+fn drift(context: &Context) -> Result<String, PageError> {
     let most = if context.quick { 2_000 } else { 10_000 };
     let mut series = Vec::new();
     for tracer in &context.tracers {
@@ -107,7 +96,7 @@ fn drift(context: &Context) -> Result<String, Failure> {
 }
 
 /// Error of the mean stress up to incompressibility.
-fn pressure() -> Result<String, Failure> {
+fn pressure() -> Result<String, PageError> {
     let ratios: Vec<f64> = (0..=24).map(|k| 0.5 * (1.0 - 10f64.powf(-0.25 * f64::from(k)))).collect();
     let mut series = Vec::new();
     for rung in [2, 4] {

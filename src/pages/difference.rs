@@ -1,6 +1,6 @@
 //! Where two images differ, in false colour.
 
-use super::super::Failure;
+use super::PageError;
 use crate::film::Film;
 use crate::film::compare::ROUNDING;
 use crate::report::{ColorScale, Raster, false_color};
@@ -9,7 +9,7 @@ use crate::report::{ColorScale, Raster, false_color};
 const MOST_DEVIATES: f64 = 10.0;
 
 /// B - A of each pixel: in standard errors, or in units of radiance where noise does not count.
-pub(super) fn picture(a: &Film, b: &Film, plain: bool) -> Result<String, Failure> {
+pub fn picture(a: &Film, b: &Film, plain: bool) -> Result<String, PageError> {
     let pixel = |k: usize| {
         let value = |values: &[f32]| values.get(k).copied().map_or(0.0, f64::from);
         let [mean_a, mean_b] = [a, b].map(|film| value(&film.mean));

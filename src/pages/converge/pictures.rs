@@ -1,12 +1,12 @@
 //! Error against run time, one picture a family.
 
 use super::table::series;
-use crate::cli::Failure;
 use crate::converge::{FAMILIES, Family, Rung, pareto};
+use crate::pages::PageError;
 use crate::report::{AxisName, LogPlot, LogPoint, LogSeries, LogStyle, log_plot};
 
 /// Name and text of each picture: one for each quantity of a family, the first without its name.
-pub(super) fn draw(name: &str, rungs: &[Rung]) -> Result<Vec<(String, String)>, Failure> {
+pub fn draw(name: &str, rungs: &[Rung]) -> Result<Vec<(String, String)>, PageError> {
     let mut pictures = Vec::new();
     for family in FAMILIES {
         let members: Vec<&Rung> = rungs.iter().filter(|rung| rung.family == family.name).collect();
@@ -26,7 +26,7 @@ pub(super) fn draw(name: &str, rungs: &[Rung]) -> Result<Vec<(String, String)>, 
     Ok(pictures)
 }
 
-fn picture(name: &str, family: &Family, quantity: &str, members: &[&Rung]) -> Result<String, Failure> {
+fn picture(name: &str, family: &Family, quantity: &str, members: &[&Rung]) -> Result<String, PageError> {
     let names = series(members);
     let mut drawn = Vec::new();
     for series in &names {

@@ -1,28 +1,26 @@
 //! What a report says of a press.
 
-use super::Failure;
-use super::command::command_line;
 use super::facts::figure;
 use super::press_files::PressPictures;
-use super::pressing::{load_name, press_rows};
 use super::truth::truth_table;
-use crate::mechanics::press::Pressed;
-use crate::pipeline::Truth;
+use crate::mechanics::press::{PressStep, Pressed, Rounding};
+use crate::pipeline::{Truth, method_name, setting};
 use crate::report::{Item, Report, Section, Table};
 use crate::scene::LoadedScene;
 
 /// The report of `press`.
-pub(super) fn press_report(
+pub fn press_report(
     loaded: &LoadedScene,
     pressed: &Pressed,
     truth: &Truth,
     pictures: &PressPictures,
-    stopped: Option<&Failure>,
+    stopped: Option<&str>,
+    command: String,
 ) -> Report {
     let scene = &loaded.scene;
     let mut section = press_section(pressed, pictures);
-    if let Some(failure) = stopped {
-        section.items.insert(0, Item::Warning(format!("The press stopped early: {}.", failure.message())));
+    if let Some(why) = stopped {
+        section.items.insert(0, Item::Warning(format!("The press stopped early: {why}.")));
     }
     section.items.extend(truth_table(truth));
     let pair = |name: &str, value: String| (name.to_owned(), value);
@@ -42,13 +40,13 @@ pub(super) fn press_report(
             pair("scene", scene.name.clone()),
             pair("scene's SHA-256", loaded.sha256.clone()),
             pair("version", env!("CARGO_PKG_VERSION").to_owned()),
-            pair("command", command_line()),
+            pair("command", command),
         ],
     }
 }
 
 /// The press as a section of a report.
-pub(super) fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Section {
+pub fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Section {
     let mut items = Vec::new();
     if let Some(mesh) = &pictures.mesh {
         let caption = "Section through the axis after the press, coloured by mean compressive stress.";
@@ -76,4 +74,62 @@ pub(super) fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Sect
     let facts = press_rows(pressed);
     items.extend(facts.first().map(|(_, text)| Item::Text(format!("Solver: {text}."))));
     Section { title: "Press".into(), items }
+}
+
+/// A load in words.
+pub fn load_name(step: &PressStep) -> String {
+    let mut name = format!("{} mm", figure(step.depth_mm));
+    let [x, y] = step.slide_mm;
+    match [x != 0.0, y != 0.0] {
+        [false, false] => {}
+        [true, false] => name += &format!(", slid by {} mm", figure(x)),
+        [false, true] => name += &format!(", slid by {} mm along y", figure(y)),
+        [true, true] => name += &format!(", slid by {} and {} mm", figure(x), figure(y)),
+    }
+    if step.hold_s > 0.0 {
+        name += &format!(", held {} s", figure(step.hold_s));
+    }
+    name
+}
+
+/// A press in words.
+pub fn press_rows(pressed: &Pressed) -> Vec<(String, String)> {
+    let percent = |share: f64| figure(100.0 * share);
+    let row = |name: &str, value: String| (name.to_owned(), value);
+    let mut rows = vec![row(
+        "mechanics",
+        format!(
+            "{}, {} unknowns, {} iterations, {} s and {} s for the error; {} of {} MiB",
+            setting(&pressed.setup),
+            pressed.unknowns,
+            pressed.iterations,
+            figure(pressed.seconds),
+            figure(pressed.error_seconds),
+            method_name(pressed.method),
+            figure(pressed.factor_mib)
+        ),
+    )];
+    rows.extend(pressed.steps.iter().map(|step| {
+        let error = match step.error {
+            Some(error) => {
+                let sharp = |rounding: Rounding| {
+                    format!(
+                        "; a sharp edge changes them by up to {} and {} %",
+                        percent(rounding.rms),
+                        percent(rounding.force)
+                    )
+                };
+                let sharp = error.rounding.map_or(String::new(), sharp);
+                format!(
+                    " (pressure within {} % rms, force within {} %{sharp})",
+                    percent(error.rms),
+                    percent(error.force)
+                )
+            }
+            None => String::new(),
+        };
+        let force = format!("{} N, peak pressure {} kPa{error}", figure(step.force_n), figure(step.peak_pressure_kpa));
+        row(&load_name(step), force)
+    }));
+    rows
 }

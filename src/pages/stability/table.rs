@@ -1,12 +1,12 @@
 //! The rows as text, CSV and JSON.
 
-use crate::cli::Failure;
-use crate::cli::facts::figure;
+use crate::pages::PageError;
+use crate::pages::facts::figure;
 use crate::stability::{Part, Row};
 use serde_json::{Value, json};
 
 /// A row as an object.
-pub(super) fn json(row: &Row) -> Value {
+pub fn json(row: &Row) -> Value {
     let number = |value: f64| match value.is_finite() {
         true => json!(value),
         false => json!({"undefined": row.reason}),
@@ -28,16 +28,16 @@ pub(super) fn json(row: &Row) -> Value {
 }
 
 /// All rows as CSV.
-pub(super) fn csv(rows: &[Row]) -> Result<String, Failure> {
-    let failed = |error: String| Failure::failed(format!("stability.csv: {error}"));
+pub fn csv(rows: &[Row]) -> Result<String, PageError> {
+    let failed = |error: csv::Error| PageError::Table { file: "stability.csv", error };
     let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|error| failed(error.to_string()))?;
-    let bytes = writer.into_inner().map_err(|error| failed(error.to_string()))?;
-    String::from_utf8(bytes).map_err(|error| failed(error.to_string()))
+    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(failed)?;
+    let bytes = writer.into_inner().map_err(|error| failed(error.into_error().into()))?;
+    String::from_utf8(bytes).map_err(|error| failed(std::io::Error::other(error).into()))
 }
 
 /// All rows for reading: a heading for each part, a line for each row.
-pub(super) fn text(rows: &[Row], adapter: Option<&str>, out: Option<&str>) -> String {
+pub fn text(rows: &[Row], adapter: Option<&str>, out: Option<&str>) -> String {
     let mut lines = Vec::new();
     for (part, name) in [(Part::Light, "light"), (Part::Mechanics, "mechanics"), (Part::Image, "images")] {
         let rows: Vec<&Row> = rows.iter().filter(|row| row.part == part).collect();

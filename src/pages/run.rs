@@ -1,31 +1,41 @@
 //! The report of a run.
 
-use super::command::command_line;
-use super::facts::{figure, mean_radiance};
-use super::measure::SceneReading;
+use super::facts::{columns, facts, figure, ledger, mean_radiance, said};
+use super::press::{press_rows, press_section};
 use super::press_files::PressPictures;
-use super::press_page::press_section;
 use super::regimes::layers;
 use super::regimes::regimes;
 use super::shot::{CameraPictures, Pictures};
-use super::truth::truth_table;
+use super::truth::{truth_rows, truth_table};
 use crate::estimate::Value;
-use crate::pipeline::Truth;
-use crate::pipeline::{Reading, Shot};
+use crate::pipeline::{NO_MECHANICS, Reading, Shot, Truth};
 use crate::report::{Item, Report, Section, Table};
 
+/// What a report tells.
+pub struct Run<'a> {
+    /// The image.
+    pub shot: &'a Shot<'a>,
+    /// What was read from it.
+    pub figures: &'a Reading,
+    /// Name of what was subtracted first, if anything.
+    pub reference: Option<&'a str>,
+    /// What the phantom holds.
+    pub truth: &'a Truth,
+    /// Pictures of the light.
+    pub pictures: &'a Pictures,
+    /// Pictures of the frame.
+    pub seen: &'a CameraPictures,
+    /// Pictures of the press, if there is one.
+    pub press: Option<&'a PressPictures>,
+    /// The command that asked for it.
+    pub command: String,
+}
+
 /// Makes the report.
-pub(super) fn report(
-    shot: &Shot,
-    figures: &Reading,
-    reading: &SceneReading,
-    truth: &Truth,
-    pictures: &Pictures,
-    seen: &CameraPictures,
-    press: Option<&PressPictures>,
-) -> Report {
+pub fn report(run: &Run) -> Report {
+    let Run { shot, figures, reference, truth, pictures, seen, press, .. } = *run;
     let scene = shot.prepared.scene();
-    let mut sections = vec![camera(shot, reading, seen), estimates(figures, reading, truth)];
+    let mut sections = vec![camera(shot, reference, seen), estimates(figures, reference, truth)];
     if let (Some((pressed, _)), Some(pictures)) = (shot.prepared.pressed(), press) {
         sections.push(press_section(pressed, pictures));
     }
@@ -35,7 +45,7 @@ pub(super) fn report(
         summary: summary(shot, figures),
         facts: cards(shot),
         sections,
-        provenance: provenance(shot),
+        provenance: provenance(shot, &run.command),
     }
 }
 
@@ -66,7 +76,7 @@ fn cards(shot: &Shot) -> Vec<(String, String)> {
     ]
 }
 
-fn camera(shot: &Shot, reading: &SceneReading, seen: &CameraPictures) -> Section {
+fn camera(shot: &Shot, reference: Option<&str>, seen: &CameraPictures) -> Section {
     let sensor = &shot.prepared.scene().camera.sensor;
     let exposure = format!(
         "Grey levels of camera.png: {} ms at f/{}, full well {} electrons, {} bits.",
@@ -75,7 +85,7 @@ fn camera(shot: &Shot, reading: &SceneReading, seen: &CameraPictures) -> Section
         figure(sensor.full_well_e),
         sensor.bit_depth
     );
-    let frame = reading.reference_name().map_or_else(String::new, |name| {
+    let frame = reference.map_or_else(String::new, |name| {
         format!(" The pictures show that frame less {name}, which is what was measured.")
     });
     let caption =
@@ -87,8 +97,8 @@ fn camera(shot: &Shot, reading: &SceneReading, seen: &CameraPictures) -> Section
     Section { title: "What the camera sees".into(), items }
 }
 
-fn estimates(figures: &Reading, reading: &SceneReading, truth: &Truth) -> Section {
-    let image = match reading.reference_name() {
+fn estimates(figures: &Reading, reference: Option<&str>, truth: &Truth) -> Section {
+    let image = match reference {
         Some(name) => format!("the frame less {name}"),
         None => "the raw frame".to_owned(),
     };
@@ -154,7 +164,7 @@ fn sentence(text: &str) -> String {
     format!("{first}{}.", letters.as_str())
 }
 
-fn provenance(shot: &Shot) -> Vec<(String, String)> {
+fn provenance(shot: &Shot, command: &str) -> Vec<(String, String)> {
     let pair = |name: &str, value: String| (name.to_owned(), value);
     vec![
         pair("scene", shot.prepared.scene().name.clone()),
@@ -162,6 +172,39 @@ fn provenance(shot: &Shot) -> Vec<(String, String)> {
         pair("seed", shot.prepared.streams.seed.to_string()),
         pair("adapter", shot.outcome.adapter.clone()),
         pair("version", env!("CARGO_PKG_VERSION").to_owned()),
-        pair("command", command_line()),
+        pair("command", command.to_owned()),
     ]
+}
+
+/// A run in words; `out` is its folder.
+pub fn text(shot: &Shot, figures: &Reading, truth: &Truth, out: &str) -> String {
+    let (paper, estimates) = (&figures.paper, &figures.estimates);
+    let row = |name: &str, value: String| (name.to_owned(), value);
+    let mut rows = facts(shot);
+    match shot.prepared.pressed() {
+        Some((pressed, _)) => rows.extend(press_rows(pressed)),
+        None => rows.push(row("mechanics", format!("none: {NO_MECHANICS}"))),
+    }
+    rows.extend([
+        row("light", ledger(shot)),
+        row(
+            "lit area",
+            format!(
+                "{} (threshold {} grey levels)",
+                said(&paper.diameter_px, "pixels across"),
+                figure(figures.threshold_grey)
+            ),
+        ),
+        row("its diameter", said(&paper.diameter_mm, "mm")),
+        row("indicator h", said(&paper.h_grey, "grey levels")),
+        row("sum M", said(&paper.sum_grey, "grey levels")),
+        row("size", said(&estimates.size_mm, "mm")),
+        row("depth", said(&estimates.depth_mm, "mm")),
+        row("modulus", said(&estimates.youngs_kpa, "kPa")),
+    ]);
+    rows.extend(truth_rows(truth));
+    rows.extend(paper.warnings.iter().map(|warning| row("note", warning.clone())));
+    rows.push(row("folder", out.to_owned()));
+    rows.push(row("report", format!("{out}/report.html")));
+    format!("{}\n{}", shot.prepared.scene().name, columns(&rows))
 }

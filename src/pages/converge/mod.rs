@@ -1,0 +1,4 @@
+//! Ladders of error against run time.
+
+pub mod pictures;
+pub mod table;

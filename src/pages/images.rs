@@ -1,0 +1,85 @@
+//! Figures of images from anywhere.
+
+use super::facts::{columns, figure, said_within};
+use crate::estimate::{Estimates, GreyImage, PaperEstimate, Stiffness, Value};
+use serde_json::{Value as Json, json};
+use std::path::{Path, PathBuf};
+
+/// One image and its figures.
+pub struct Measured {
+    pub path: PathBuf,
+    pub image: GreyImage,
+    pub threshold_grey: f64,
+    pub paper: PaperEstimate,
+}
+
+/// All images and what two say of stiffness.
+pub fn text(measured: &[Measured], relative: &Result<Stiffness, String>) -> String {
+    let row = |name: &str, value: String| (name.to_owned(), value);
+    let mut text = String::new();
+    for Measured { path, image, threshold_grey, paper } in measured {
+        let mut rows = vec![
+            row("pixels", format!("{} x {}", image.width(), image.height())),
+            row(
+                "lit area",
+                format!("{} (threshold {})", said(&paper.diameter_px, "pixels across"), figure(*threshold_grey)),
+            ),
+            row("", said(&paper.diameter_mm, "mm")),
+            row("centroid", format!("column {}", said(&paper.centroid_px.axis(0), "px"))),
+            row("", format!("row {}", said(&paper.centroid_px.axis(1), "px"))),
+            row("indicator h", said(&paper.h_grey, "grey levels")),
+            row("sum M", said(&paper.sum_grey, "grey levels")),
+        ];
+        rows.push(row("intervals", paper.intervals.to_owned()));
+        rows.extend(paper.warnings.iter().map(|warning| row("note", warning.clone())));
+        text.push_str(&format!("{}\n{}", path.display(), columns(&rows)));
+    }
+    let rows = match relative {
+        Ok(stiffness) => vec![
+            row("force", said(&stiffness.force_n, "N")),
+            row("pressure", said(&stiffness.pressure_kpa, "kPa")),
+            row("growth", said(&stiffness.deformation, "of the first diameter")),
+            row("stiffness", said(&stiffness.relative_stiffness_kpa, "kPa, relative")),
+        ],
+        Err(reason) => vec![row("stiffness", format!("undefined: {reason}"))],
+    };
+    text + &columns(&rows)
+}
+
+/// A figure with its interval, which holds no noise that a new image would show.
+fn said(value: &Value, unit: &str) -> String {
+    said_within(value, unit, "rounding and counting")
+}
+
+/// The same for programs.
+pub fn json(measured: &[Measured], relative: &Result<Stiffness, String>, reference: Option<&Path>) -> Json {
+    let image = |one: &Measured| {
+        let mut paper = json!(one.paper);
+        paper["threshold_grey"] = json!(one.threshold_grey);
+        json!({
+            "image": one.path.display().to_string(),
+            "pixels": [one.image.width(), one.image.height()],
+            "paper": paper,
+            "estimates": Estimates::without_model(),
+        })
+    };
+    json!({
+        "images": measured.iter().map(image).collect::<Vec<_>>(),
+        "threshold_grey": common_threshold(measured),
+        "reference": reference.map(|path| path.display().to_string()),
+        "stiffness": match relative {
+            Ok(stiffness) => json!(stiffness),
+            Err(reason) => json!({"undefined": reason}),
+        },
+    })
+}
+
+/// The threshold where it is the same for all images, grey levels.
+fn common_threshold(measured: &[Measured]) -> Json {
+    match measured {
+        [first, others @ ..] if others.iter().all(|one| one.threshold_grey == first.threshold_grey) => {
+            json!(first.threshold_grey)
+        }
+        _ => json!({"undefined": "the images end at different grey levels; each has its own"}),
+    }
+}

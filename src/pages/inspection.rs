@@ -1,0 +1,179 @@
+//! What was understood of a scene, and what a render of it would do.
+
+use super::facts::{columns, figure};
+use super::regimes::{LayerAngles, regimes};
+use crate::camera::ProjectionError;
+use crate::mechanics::memory::limit_gib;
+use crate::mechanics::press::Cost;
+use crate::pipeline::{Prepared, method_name, view_of};
+use crate::surface::Surface;
+use crate::trace::gains::Gain;
+use crate::trace::{Kernel, Method, Plan};
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// What a press will take, for programs.
+pub fn cost_json(cost: &Cost) -> Value {
+    json!({
+        "elements": cost.elements,
+        "dofs": cost.unknowns,
+        "method": method_name(cost.method),
+        "memory_gib": cost.memory_gib,
+        "memory_limit_gib": limit_gib(),
+        "seconds": cost.seconds,
+    })
+}
+
+/// The same for people.
+pub fn cost_text(cost: &Cost) -> String {
+    let fits = if cost.memory_gib <= limit_gib() { "of" } else { "MORE THAN" };
+    format!(
+        "{} elements, {} unknowns by {}: at most {} GiB, {fits} {} that may be had; about {} s, to a factor of 3",
+        cost.elements,
+        cost.unknowns,
+        method_name(cost.method),
+        figure(cost.memory_gib),
+        figure(limit_gib()),
+        figure(cost.seconds)
+    )
+}
+
+/// Where a render would compute.
+pub struct Device {
+    pub backend: Option<&'static str>,
+    pub adapter: String,
+    /// Why not on a GPU.
+    pub notice: Option<String>,
+}
+
+/// All that `inspect` shows.
+pub struct Seen<'a> {
+    pub prepared: &'a Prepared,
+    pub layers: Vec<LayerAngles>,
+    pub kernel: Kernel,
+    pub plan: Plan,
+    pub device: Device,
+    pub press: Option<Cost>,
+    pub gains: Option<Vec<Gain>>,
+}
+
+impl Seen<'_> {
+    /// The cone that every layer traps: twice the acceptance of the layer that accepts least.
+    fn launch_cone_deg(&self) -> f64 {
+        2.0 * self.layers.iter().map(|layer| layer.acceptance_deg).fold(90.0, f64::min)
+    }
+
+    fn pieces(&self, wanted: bool) -> Vec<&'static str> {
+        self.kernel.pieces().iter().filter(|(_, is_in)| *is_in == wanted).map(|(name, _)| *name).collect()
+    }
+
+    /// Bytes that a render holds, on the device and in the program, about.
+    fn memory(&self) -> [u64; 2] {
+        let [columns, rows] = self.prepared.model.camera.size.map(u64::from);
+        let pixels = columns * rows;
+        let texels = (self.prepared.model.map_size[0] * self.prepared.model.map_size[1]) as u64;
+        let deposits = match self.plan.method {
+            Method::Path => 0,
+            Method::Splat => 8 * pixels,
+            Method::Map => (2 * 8 + 16) * texels,
+        };
+        let control = match &self.prepared.surface {
+            Surface::Fields(fields) => fields.iter().flatten().map(|field| field.control.len() as u64).sum(),
+            Surface::Profiles(profiles) => {
+                profiles.iter().flatten().map(|profile| 4 * profile.cells.len() as u64).sum()
+            }
+            _ => 0,
+        };
+        // Device: two words a sum and the count of segments beside it, and the surface, once for camera paths and once
+        // for photons. Program: what comes back, the replicate, running mean and deviation, film, picture values.
+        [2 * (16 * pixels + 4 * control) + deposits, 64 * pixels + deposits + 8 * control]
+    }
+
+    /// For programs.
+    pub fn json(&self) -> Result<Value, ProjectionError> {
+        let scene = self.prepared.scene();
+        let [device, program] = self.memory();
+        Ok(json!({
+            "scene": scene.name,
+            "description": scene.description,
+            "layers": self.layers,
+            "launch_cone_deg": self.launch_cone_deg(),
+            "regimes": regimes(self.prepared, &self.layers),
+            "surface": self.prepared.surface.name(),
+            "integrator": self.plan.method.name(),
+            "why": self.plan.why,
+            "kernel": {"included": self.pieces(true), "left_out": self.pieces(false)},
+            "camera": {"pixels": scene.camera.pixels, "mm_per_pixel": view_of(self.prepared.scene())?.mm_per_pixel()},
+            "memory": {"device_bytes": device, "program_bytes": program},
+            "press": self.press.map(|cost| cost_json(&cost)),
+            "backend": self.device.backend,
+            "adapter": self.device.adapter,
+            "notice": self.device.notice,
+            "gains": self.gains,
+        }))
+    }
+
+    /// What leaving out gains, a row each.
+    fn gains_text(gains: &[Gain]) -> String {
+        let row = |gain: &Gain| {
+            let image = if gain.same_image { "same image" } else { "ANOTHER IMAGE" };
+            let times = format!("{:.2} times the time ({:.2} to {:.2}), {image}", gain.slower, gain.low, gain.high);
+            (gain.piece.clone(), times)
+        };
+        let rows: Vec<_> = gains.iter().map(row).collect();
+        format!("\n  with what is left out, on a small image:\n{}", columns(&rows))
+    }
+
+    /// For people.
+    pub fn text(&self) -> Result<String, ProjectionError> {
+        let scene = self.prepared.scene();
+        let width = self.layers.iter().map(|layer| layer.name.chars().count()).max().unwrap_or(0).max(5);
+        let mut text = format!("{}: {}\n\n", scene.name, scene.description);
+        let _ = writeln!(
+            text,
+            "  {:width$}  {:>8}  {:>12}  {:>16}  {:>22}",
+            "layer", "n", "thickness/mm", "acceptance/deg", "critical angle/deg"
+        );
+        for layer in &self.layers {
+            let critical = layer.critical_text();
+            let _ = writeln!(
+                text,
+                "  {:width$}  {:>8.5}  {:>12}  {:>16.3}  {critical:>22}",
+                layer.name, layer.n, layer.thickness_mm, layer.acceptance_deg
+            );
+        }
+        let _ = writeln!(
+            text,
+            "\n  light from the edge is trapped within a cone of {:.3} degrees\n",
+            self.launch_cone_deg()
+        );
+        for regime in regimes(self.prepared, &self.layers) {
+            let _ = writeln!(text, "  - {regime}");
+        }
+        let [device, program] = self.memory().map(|bytes| figure(bytes as f64 / f64::from(1 << 20)));
+        let list = |pieces: Vec<&str>| if pieces.is_empty() { "nothing".to_owned() } else { pieces.join(", ") };
+        let row = |name: &str, value: String| (name.to_owned(), value);
+        let mut rows = vec![
+            row("surface", self.prepared.surface.name().to_owned()),
+            row("integrator", format!("{}: {}", self.plan.method.name(), self.plan.why)),
+            row("kernel has", list(self.pieces(true))),
+            row("leaves out", list(self.pieces(false))),
+            row(
+                "camera",
+                format!(
+                    "{} x {} pixels, {} mm each on the touched face",
+                    scene.camera.pixels[0],
+                    scene.camera.pixels[1],
+                    figure(view_of(self.prepared.scene())?.mm_per_pixel())
+                ),
+            ),
+            row("memory", format!("about {device} MiB on the device, {program} MiB in the program")),
+        ];
+        rows.extend(self.press.map(|cost| row("press", cost_text(&cost))));
+        rows.push(row("adapter", self.device.adapter.clone()));
+        rows.extend(self.device.notice.iter().map(|notice| row("notice", notice.clone())));
+        let _ = write!(text, "\n{}", columns(&rows));
+        text.extend(self.gains.as_deref().map(Self::gains_text));
+        Ok(text)
+    }
+}

@@ -1,0 +1,23 @@
+//! What was computed, for people: words, tables, pictures and pages.
+//!
+//! The command line prints and writes them; `report` draws. Nothing here knows of flags or terminals.
+
+pub mod comparison;
+pub mod converge;
+pub mod difference;
+mod error;
+pub mod facts;
+pub mod frames;
+pub mod images;
+pub mod inspection;
+pub mod press;
+pub mod press_files;
+mod press_vtu;
+pub mod regimes;
+pub mod run;
+pub mod shot;
+mod side;
+pub mod stability;
+pub mod truth;
+
+pub use error::PageError;

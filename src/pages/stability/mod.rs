@@ -1,0 +1,4 @@
+//! The extreme cases.
+
+pub mod pictures;
+pub mod table;
