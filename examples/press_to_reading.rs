@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     loaded.scene.render.map_texel_mm = 0.375;
     let press = loaded.scene.press.as_mut().ok_or("the preset presses")?;
     press.depths_mm = Some(vec![1.0, 2.0]);
-    let truth = Truth::of(loaded.scene.phantom.as_ref(), &loaded.folder, false)?;
+    let truth = Truth::of(loaded.scene.phantom.as_ref(), &loaded.files, false)?;
 
     let mut session = Session::open(BackendChoice::Auto, Precision::F32)?;
     let mut order = Order::of(&loaded.scene);

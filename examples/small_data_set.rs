@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let inclusion = &mut scene.phantom.as_mut().ok_or("the preset has a phantom")?.inclusion[0];
         let diameter_mm = 4.0 + 10.0 * f64::from(number) / f64::from(images);
         inclusion.shape = InclusionBody::Sphere { diameter_mm };
-        let truth = Truth::of(scene.phantom.as_ref(), &loaded.folder, false)?;
+        let truth = Truth::of(scene.phantom.as_ref(), &loaded.files, false)?;
 
         let mut order = Order::of(&loaded.scene);
         (order.settings.spp, order.settings.photons) = (16, Some(1 << 17));

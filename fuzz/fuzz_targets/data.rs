@@ -4,30 +4,14 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use std::path::PathBuf;
-use std::sync::LazyLock;
-use tirtouch::scene::{read_ies, read_indenter_table, read_mesh, read_pressure_table};
-
-/// The readers take paths. In memory where the system has such a folder: a million files are not for a disk.
-static SCRATCH: LazyLock<PathBuf> = LazyLock::new(|| {
-    let memory = PathBuf::from("/dev/shm");
-    let folder = if memory.is_dir() { memory } else { std::env::temp_dir() };
-    folder.join(format!("tirtouch-fuzz-data-{}", std::process::id()))
-});
+use tirtouch::scene::{Input, read_ies, read_indenter_table, read_mesh, read_pressure_table};
 
 fuzz_target!(|bytes: &[u8]| {
-    let write = |extension: &str| {
-        let path = SCRATCH.with_extension(extension);
-        std::fs::write(&path, bytes).ok().map(|()| path)
-    };
-    for path in ["obj", "stl", "ply"].into_iter().filter_map(write) {
-        let _ = read_mesh(&path);
+    for name in ["a.obj", "a.stl", "a.ply"] {
+        let _ = read_mesh(&Input::new(name, bytes));
     }
-    if let Some(path) = write("ies") {
-        let _ = read_ies(&path);
-    }
-    if let Some(path) = write("csv") {
-        let _ = read_pressure_table(&path);
-        let _ = read_indenter_table(&path);
-    }
+    let _ = read_ies(&Input::new("a.ies", bytes));
+    let table = Input::new("a.csv", bytes);
+    let _ = read_pressure_table(&table);
+    let _ = read_indenter_table(&table);
 });

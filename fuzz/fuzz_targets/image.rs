@@ -5,7 +5,7 @@
 use libfuzzer_sys::fuzz_target;
 use std::path::PathBuf;
 use std::sync::LazyLock;
-use tirtouch::image_io::{read_grey, read_grid, read_radiance};
+use tirtouch::image_io::{grid_of, read_grey, read_radiance};
 
 /// The readers take paths. In memory where the system has such a folder: a million files are not for a disk.
 static SCRATCH: LazyLock<PathBuf> = LazyLock::new(|| {
@@ -29,7 +29,7 @@ fuzz_target!(|bytes: &[u8]| {
     if std::fs::write(&path, bytes).is_err() {
         return;
     }
-    let _ = read_grid(&path);
+    let _ = grid_of(&path, bytes);
     let _ = read_grey(&path);
     let _ = read_radiance(&path);
 });

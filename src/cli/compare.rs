@@ -11,7 +11,7 @@ use crate::image_io::{Provenance, read_radiance};
 use crate::output::OutputFolder;
 use crate::pages::{comparison, difference};
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Compare two radiance images by their variances; exit code 1 when they differ.
@@ -49,14 +49,14 @@ impl Compare {
             check_units(&self.b, first, second)?;
         }
         let folder = self.out.as_deref().map(|out| OutputFolder::create(out, self.force)).transpose()?;
-        let (passed, json, text) = match self.strict.asked() {
+        let (passed, mut found, text) = match self.strict.asked() {
             true => self.strict.judge(&a, &b).map_err(|error| self.refused(&error))?,
             false => {
                 let origins = provenance_a.as_ref().zip(provenance_b.as_ref());
                 let paired = origins.is_some_and(|(first, second)| first.shares_random_numbers(second));
                 let comparison = self.compare(&a, &b, paired)?;
-                let unseen =
-                    comparison.paired.is_none() && origins.is_some_and(|(first, second)| of_one_seed(first, second));
+                let unseen = comparison.paired.is_none()
+                    && origins.is_some_and(|(first, second)| first.may_share_random_numbers(second));
                 if unseen && !self.talk.quiet {
                     note(
                         "both images have the same random numbers (scene, seed and integrator): equal noise hides differences",
@@ -65,7 +65,8 @@ impl Compare {
                 (comparison.passed, comparison::json(&comparison), comparison::table(&comparison))
             }
         };
-        let found = self.named(json);
+        found["a"] = json!(self.a.display().to_string());
+        found["b"] = json!(self.b.display().to_string());
         let mut printed = found.to_string();
         if let Some(folder) = folder.filter(|_| !passed) {
             folder.write("difference.svg", &difference::picture(&a, &b, self.strict.asked())?)?;
@@ -98,13 +99,6 @@ impl Compare {
         let files = format!("{} and {}", self.a.display(), self.b.display());
         Failure::input(format!("{files}: {error}")).in_file(&self.b)
     }
-
-    /// What was found, with the names of both images.
-    fn named(&self, mut found: Value) -> Value {
-        found["a"] = json!(self.a.display().to_string());
-        found["b"] = json!(self.b.display().to_string());
-        found
-    }
 }
 
 fn check_units(file: &Path, first: &Provenance, second: &Provenance) -> Result<(), Failure> {
@@ -115,14 +109,4 @@ fn check_units(file: &Path, first: &Provenance, second: &Provenance) -> Result<(
             Err(Failure::input(message).in_file(file))
         }
     }
-}
-
-/// Whether noise may be common though nothing shows how much of it.
-fn of_one_seed(first: &Provenance, second: &Provenance) -> bool {
-    // Images that do not name their stream have those of their seed and scene.
-    let origin = |image: &Provenance| match image.stream {
-        Some(stream) => (stream, String::new(), image.integrator.clone()),
-        None => (image.seed, image.scene_sha256.clone(), image.integrator.clone()),
-    };
-    origin(first) == origin(second)
 }

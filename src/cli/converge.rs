@@ -2,14 +2,14 @@
 
 use super::command::described;
 use super::flags::Backend;
-use super::job::{check_light, load_scene, watched};
+use super::job::{check_light, watched};
 use super::pressing::PressFailure;
 use super::{Failure, Outcome, Talk, note, print};
 use crate::converge::{Climb, ClimbError, Part};
 use crate::output::leftovers::leftovers;
 use crate::output::{RESULT, Records, SCENE};
 use crate::pages::converge::{pictures, table};
-use crate::scene::LoadedScene;
+use crate::scene::open;
 use crate::trace::{Devices, Precision, Settings};
 use clap::Args;
 use serde_json::json;
@@ -74,7 +74,7 @@ impl Only {
 
 impl Converge {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (mut loaded, file) = load_scene(&self.scene)?;
+        let (mut loaded, file) = open(&self.scene)?;
         if self.only == Some(Only::Mechanics) && loaded.scene.press.is_none() {
             let message = format!("{}: --only mechanics needs a scene with a [press]", file.display());
             return Err(Failure::usage(message).in_file(&file));
@@ -83,7 +83,7 @@ impl Converge {
             check_light(&loaded, &file)?;
         }
         let shrink = self.shrink.unwrap_or(if self.quick { 8 } else { 1 });
-        shrink_camera(&mut loaded, shrink);
+        loaded.scene.camera.shrink(shrink);
         let devices = self.devices()?;
         let seed = self.seed.unwrap_or(loaded.scene.render.seed);
         let settings = Settings { seed, ..Settings::of(&loaded.scene.render) };
@@ -96,6 +96,7 @@ impl Converge {
         // Whatever changes a rung belongs to the order.
         let order = json!({
             "scene_sha256": loaded.sha256,
+            "inputs": loaded.inputs(),
             "quick": self.quick,
             "most_spp": most_spp,
             "shrink": shrink,
@@ -140,12 +141,4 @@ impl Converge {
         }
         Ok(devices)
     }
-}
-
-/// Fewer pixels over the same view.
-fn shrink_camera(loaded: &mut LoadedScene, shrink: u32) {
-    let camera = &mut loaded.scene.camera;
-    let before = camera.pixels[0];
-    camera.pixels = camera.pixels.map(|pixels| (pixels / shrink).max(4));
-    camera.pixel_pitch_um *= f64::from(before) / f64::from(camera.pixels[0]);
 }

@@ -160,6 +160,26 @@ impl Failure {
     }
 }
 
+/// Errors of which each is of one kind.
+macro_rules! plain {
+    ($($error:ty => $kind:ident),* $(,)?) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::$kind(error.to_string())
+            }
+        })*
+    };
+}
+
+plain! {
+    CompareError => input,
+    ExposureError => input,
+    ProjectionError => input,
+    crate::estimate::ImageError => input,
+    PictureError => failed,
+    VtuError => failed,
+}
+
 impl From<ImageError> for Failure {
     fn from(error: ImageError) -> Self {
         let failure = match &error {
@@ -223,12 +243,6 @@ impl From<OutputError> for Failure {
     }
 }
 
-impl From<CompareError> for Failure {
-    fn from(error: CompareError) -> Self {
-        Self::input(error.to_string())
-    }
-}
-
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         let failure = Self::input(error.to_string()).in_file(&error.file);
@@ -262,30 +276,6 @@ impl From<TraceError> for Failure {
             | TraceError::Truncated { .. }
             | TraceError::CutShort { .. } => Self::failed(error.to_string()),
         }
-    }
-}
-
-impl From<ExposureError> for Failure {
-    fn from(error: ExposureError) -> Self {
-        Self::input(error.to_string())
-    }
-}
-
-impl From<ProjectionError> for Failure {
-    fn from(error: ProjectionError) -> Self {
-        Self::input(error.to_string())
-    }
-}
-
-impl From<PictureError> for Failure {
-    fn from(error: PictureError) -> Self {
-        Self::failed(error.to_string())
-    }
-}
-
-impl From<VtuError> for Failure {
-    fn from(error: VtuError) -> Self {
-        Self::failed(error.to_string())
     }
 }
 
@@ -326,11 +316,5 @@ impl From<CalibrationError> for Failure {
                 failure.in_file(Path::new(&file)).at_line(line).at_key(key)
             }
         }
-    }
-}
-
-impl From<crate::estimate::ImageError> for Failure {
-    fn from(error: crate::estimate::ImageError) -> Self {
-        Self::input(error.to_string())
     }
 }

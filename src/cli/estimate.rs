@@ -1,14 +1,13 @@
 //! `estimate`: the paper's figures of images from anywhere.
 
-use super::job::load_scene;
-use super::measure::{Reading, Threshold, grey_image, less};
+use super::measure::{Reading, grey_image, less};
 use super::{Failure, Outcome, Talk, note, print};
 use crate::camera::expose;
-use crate::estimate::{Calibration, GreyImage, Settings, Stiffness, estimate, scattered, stiffness};
+use crate::estimate::{Calibration, GreyImage, Settings, Threshold, estimate, scattered};
 use crate::image_io::read_radiance;
-use crate::pages::images::{Measured, json, text};
+use crate::pages::images::{Measured, json, relative_stiffness, text};
 use crate::pipeline::view_of;
-use crate::scene::Scene;
+use crate::scene::{Scene, open};
 use crate::streams::Streams;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -35,7 +34,7 @@ pub(super) struct Estimate {
 
 impl Estimate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let camera = self.exposure.as_deref().map(load_scene).transpose()?.map(|(loaded, _)| loaded.scene);
+        let camera = self.exposure.as_deref().map(open).transpose()?.map(|(loaded, _)| loaded.scene);
         let calibration = match (self.reading.calibration()?, &camera) {
             (None, Some(scene)) => Some(Calibration {
                 mm_per_pixel: view_of(scene)?.mm_per_pixel(),
@@ -122,24 +121,6 @@ impl Estimate {
             ));
         }
         Ok(image)
-    }
-}
-
-/// What two images say about stiffness, or why they do not.
-fn relative_stiffness(
-    measured: &[Measured],
-    settings: &dyn Fn(f64) -> Settings,
-    calibration: Option<&Calibration>,
-) -> Result<Stiffness, String> {
-    match (measured, calibration) {
-        ([first, second], _) if first.image.top_grey() != second.image.top_grey() => {
-            Err("the images' grey levels end at different values, and so cannot be compared".into())
-        }
-        ([first, second], Some(calibration)) => {
-            Ok(stiffness(&first.image, &second.image, &settings(first.threshold_grey), calibration))
-        }
-        ([_, _], None) => Err("no calibration gives force and pressure".into()),
-        _ => Err(format!("it takes two images under different press, there are {}", measured.len())),
     }
 }
 

@@ -1,20 +1,15 @@
 //! `expose`: another frame of light that is traced already.
 
 use super::command;
-use super::exposure::note_exposure;
 use super::flags::positive;
-use super::job::load_scene;
+use super::job::note_exposure;
 use super::{Failure, Outcome, Talk, note, print};
-use crate::camera::{Frame, Suited, expose};
 use crate::film::Film;
 use crate::image_io::{Provenance, read_radiance};
 use crate::output::OutputFolder;
-use crate::pages::facts::{columns, figure};
-use crate::pipeline::{CameraSummary, view_of};
-use crate::report::{ColorScale, Raster, false_color};
-use crate::scene::{LoadedScene, load_alone, validate};
+use crate::pages::exposure::Exposure;
+use crate::scene::{LoadedScene, load_alone, open, validate};
 use clap::Args;
-use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Make a camera frame of a rendered folder's radiance.exr, with another exposure or bit depth, without tracing again.
@@ -44,15 +39,6 @@ pub(super) struct Expose {
     talk: Talk,
 }
 
-/// A frame and what it was made of.
-struct Exposure {
-    loaded: LoadedScene,
-    frame: Frame,
-    suited: Suited,
-    mm_per_pixel: f64,
-    seed: u32,
-}
-
 impl Expose {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let loaded = self.scene()?;
@@ -80,7 +66,7 @@ impl Expose {
     fn scene(&self) -> Result<LoadedScene, Failure> {
         let beside = self.folder.join("scene.toml");
         let mut loaded = match &self.scene {
-            Some(scene) => load_scene(scene)?.0,
+            Some(scene) => open(scene)?.0,
             None if beside.is_file() => load_alone(&beside)?,
             None => {
                 let message =
@@ -106,53 +92,9 @@ impl Expose {
         if other && !self.talk.quiet {
             note(&format!("{}: was rendered of another scene file; the camera is that of this one", image.display()));
         }
-        let scene = &loaded.scene;
-        let seed = self.seed.or(provenance.and_then(|origin| origin.sensor_seed)).unwrap_or(scene.render.seed);
-        let placed = |error| Failure::input(format!("{}: {error}", image.display())).in_file(image);
-        let frame = expose(film, &scene.camera, scene.light.wavelength_nm, seed).map_err(placed)?;
-        let suited = Suited::of(film, &scene.camera, scene.light.wavelength_nm).map_err(placed)?;
-        let mm_per_pixel = view_of(scene)?.mm_per_pixel();
-        Ok(Exposure { frame, suited, mm_per_pixel, seed, loaded })
-    }
-}
-
-impl Exposure {
-    fn picture(&self) -> Result<String, Failure> {
-        let values: Vec<f64> = self.frame.grey.iter().map(|&grey| f64::from(grey)).collect();
-        let (width, height) = (self.frame.width as usize, self.frame.height as usize);
-        let mm_per_pixel = Some(self.mm_per_pixel);
-        let raster = Raster { width, height, values: &values, quantity: "grey level", unit: "", mm_per_pixel };
-        Ok(false_color(&format!("{}: camera", self.loaded.scene.name), &raster, ColorScale::Linear)?)
-    }
-
-    fn json(&self) -> Value {
-        let sensor = &self.loaded.scene.camera.sensor;
-        json!({
-            "scene": self.loaded.scene.name,
-            "seed": self.seed,
-            "exposure_ms": sensor.exposure_ms,
-            "bit_depth": sensor.bit_depth,
-            "camera": CameraSummary::of(&self.frame, self.mm_per_pixel, &self.suited),
-        })
-    }
-
-    fn text(&self, out: &str) -> String {
-        let sensor = &self.loaded.scene.camera.sensor;
-        let row = |name: &str, value: String| (name.to_owned(), value);
-        let suits = match &self.suited {
-            Suited::Filled { suggested_ms, .. } => format!("{} ms", figure(*suggested_ms)),
-            Suited::Undefined(reason) => format!("undefined: {reason}"),
-        };
-        let rows = [
-            row(
-                "exposure",
-                format!("{} ms, {} bits, seed {}", figure(sensor.exposure_ms), sensor.bit_depth, self.seed),
-            ),
-            row("would suit", suits),
-            row("brightest", format!("grey level {} of {}", self.frame.max_grey(), self.frame.top_grey())),
-            row("saturated", format!("{} pixels", self.frame.saturated_pixels())),
-            row("folder", format!("{out}: camera.png camera_false_color.svg")),
-        ];
-        format!("{}\n{}", self.loaded.scene.name, columns(&rows))
+        let seed = self.seed.or(provenance.and_then(|origin| origin.sensor_seed));
+        let seed = seed.unwrap_or(loaded.scene.render.seed);
+        Exposure::of(loaded, film, seed)
+            .map_err(|error| Failure::input(format!("{}: {error}", image.display())).in_file(image))
     }
 }

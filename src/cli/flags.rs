@@ -39,7 +39,7 @@ pub struct Common {
     #[arg(long, value_enum, default_value_t)]
     pub precision: Precision,
     /// Light-transport method [default: the scene's].
-    #[arg(long, value_parser = integrator, value_name = "auto|path|splat|map")]
+    #[arg(long, value_name = "auto|path|splat|map")]
     pub integrator: Option<Integrator>,
     /// Camera paths per pixel [default: the scene's].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
@@ -128,16 +128,6 @@ impl Common {
     #[must_use]
     pub fn destination(&self, name: &str) -> PathBuf {
         self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(name))
-    }
-}
-
-fn integrator(text: &str) -> Result<Integrator, String> {
-    match text {
-        "auto" => Ok(Integrator::Auto),
-        "path" => Ok(Integrator::Path),
-        "splat" => Ok(Integrator::Splat),
-        "map" => Ok(Integrator::Map),
-        _ => Err("it must be auto, path, splat or map".into()),
     }
 }
 

@@ -1,16 +1,17 @@
 //! `inspect`: what was understood of a scene, and what a render of it would do.
 
-use super::job::{Job, check_light, load_scene, watched};
-use super::pressing::press_cost;
+use super::job::{Job, check_light, watched};
+use super::pressing::PressFailure;
 use super::{Failure, Outcome, Talk, print};
+use crate::mechanics::from_scene::press_cost;
 use crate::pages::facts::columns;
 use crate::pages::inspection::{Device, Seen, cost_json, cost_text};
 use crate::pages::regimes::layers;
 use crate::pipeline::Prepared;
-use crate::scene::LoadedScene;
+use crate::scene::{LoadedScene, open};
 use crate::streams::{Role, Streams};
-use crate::trace::gains::{Gain, gains};
-use crate::trace::{BackendChoice, Devices, Kernel, Plan, Precision, Settings};
+use crate::trace::gains::{Gain, gains, small};
+use crate::trace::{BackendChoice, Devices, Kernel, Plan, Precision};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -31,12 +32,9 @@ pub(super) struct Inspect {
     talk: Talk,
 }
 
-/// Samples a pixel and most pixels along a side of the images that gains are measured on.
-const GAIN_IMAGE: (u32, u32) = (64, 192);
-
 impl Inspect {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (loaded, file) = load_scene(&self.scene)?;
+        let (loaded, file) = open(&self.scene)?;
         if check_light(&loaded, &file).is_err() && !self.gains {
             return self.mechanics(&loaded, &file).map(|()| Outcome::Done);
         }
@@ -46,17 +44,8 @@ impl Inspect {
         let devices = Devices::open(BackendChoice::Auto, Precision::F32);
         let kernel = Kernel::of(model);
         let plan = Plan::choose(prepared.settings.integrator, &kernel)?;
-        let loads = |devices: &Devices| devices.load(model).map_err(|error| error.to_string());
-        let device =
-            match devices.as_ref().map_err(ToString::to_string).and_then(|devices| Ok((devices, loads(devices)?))) {
-                Ok((devices, backend)) => Device {
-                    backend: Some(backend.name()),
-                    adapter: backend.adapter(),
-                    notice: devices.notice().map(str::to_owned),
-                },
-                Err(error) => Device { backend: None, adapter: "none that can do it".into(), notice: Some(error) },
-            };
-        let press = press_cost(&loaded, &self.scene)?;
+        let device = Device::of(&devices, model);
+        let press = press_cost(&loaded).map_err(|error| PressFailure::of(error, &file).failure)?;
         let gains = if self.gains { Some(self.measure(&devices?, &prepared)?) } else { None };
         let seen = Seen { layers: layers(&prepared), prepared: &prepared, kernel, plan, device, press, gains };
         match self.talk.json {
@@ -69,7 +58,8 @@ impl Inspect {
 
     /// What a scene without light does: its press.
     fn mechanics(&self, loaded: &LoadedScene, file: &Path) -> Result<(), Failure> {
-        let (scene, press) = (&loaded.scene, press_cost(loaded, file)?);
+        let (scene, press) =
+            (&loaded.scene, press_cost(loaded).map_err(|error| PressFailure::of(error, file).failure)?);
         if self.talk.json {
             let light = json!({"undefined": "an indenter guides no light"});
             let press = press.map(|cost| cost_json(&cost));
@@ -83,17 +73,7 @@ impl Inspect {
     }
 
     fn measure(&self, devices: &Devices, prepared: &Prepared) -> Result<Vec<Gain>, Failure> {
-        let (spp, most) = GAIN_IMAGE;
-        let mut model = prepared.model.clone();
-        let camera = &mut model.camera;
-        let shrink = camera.size[0].max(camera.size[1]).div_ceil(most);
-        camera.size = camera.size.map(|pixels| (pixels / shrink).max(1));
-        camera.pixel_tan *= f64::from(shrink);
-        // No more photons than paths: the fewest that an image has by itself are for its quality, and would hide its
-        // paths here.
-        let paths = u64::from(camera.size[0]) * u64::from(camera.size[1]) * u64::from(spp);
-        let photons = Some(prepared.settings.photons.unwrap_or(paths).min(paths));
-        let settings = Settings { spp, photons, ..prepared.settings.clone() };
+        let (model, settings) = small(&prepared.model, &prepared.settings);
         let other = Streams { role: Role::Timing, ..prepared.streams.clone() };
         Ok(watched(self.talk.quiet, |observe| gains(devices, &model, &settings, other.light(), self.rounds, observe))?)
     }

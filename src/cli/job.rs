@@ -2,18 +2,17 @@
 
 use super::pressing::PressFailure;
 use super::{Common, Failure, Progress, cancel, note};
+use crate::camera::Suited;
 use crate::mechanics::press::Pressed;
+use crate::pages::exposure::unsuited;
 use crate::pipeline::{Order, PipelineError, Prepared, Session, Shot, guides_light};
 use crate::progress::Observer;
-use crate::scene::{LoadedScene, PRESETS, SceneError, load, preset};
+use crate::scene::{LoadedScene, open};
 use crate::streams::Sharing;
 use crate::surface::SurfaceError;
 use crate::trace::{Devices, Precision};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Before the name of a scene that comes with the program.
-const PRESET: &str = "preset:";
 
 /// A scene, how it is wanted, and what works on it.
 pub(super) struct Job {
@@ -22,14 +21,6 @@ pub(super) struct Job {
     order: Order,
     file: PathBuf,
     quiet: bool,
-}
-
-/// Loads a scene file, or the preset of `preset:NAME`, and the name it goes by in messages.
-pub(super) fn load_scene(source: &Path) -> Result<(LoadedScene, PathBuf), Failure> {
-    match source.to_str().and_then(|source| source.strip_prefix(PRESET)) {
-        Some(name) => Ok((preset(name)?, PathBuf::from(format!("{name}.toml")))),
-        None => Ok((load(source).map_err(|error| with_hint(source, error))?, source.to_path_buf())),
-    }
 }
 
 /// Refuses a scene whose light cannot be traced.
@@ -57,7 +48,7 @@ impl Job {
         common: &Common,
         devices: impl FnOnce() -> Result<Devices, Failure>,
     ) -> Result<Self, Failure> {
-        let (loaded, file) = load_scene(source)?;
+        let (loaded, file) = open(source)?;
         let order = Order {
             settings: common.settings(&loaded.scene.render),
             sharing: if common.common_random_numbers { Sharing::Common } else { Sharing::Own },
@@ -146,13 +137,9 @@ pub(super) fn failure(error: PipelineError, file: &Path) -> Failure {
     }
 }
 
-/// An error of loading, with the preset that may have been meant.
-fn with_hint(source: &Path, error: SceneError) -> Failure {
-    let stem = source.file_stem().and_then(|stem| stem.to_str());
-    match PRESETS.iter().find(|(name, _)| Some(*name) == stem && !source.exists()) {
-        Some((name, _)) => {
-            Failure::input(format!("{error}; the scene of that name in the program is {PRESET}{name}")).in_file(source)
-        }
-        None => error.into(),
+/// Notes an exposure time that does not suit the image, unless `quiet`.
+pub(super) fn note_exposure(suited: &Suited, exposure_ms: f64, quiet: bool) {
+    if let (Some(line), false) = (unsuited(suited, exposure_ms), quiet) {
+        note(&line);
     }
 }

@@ -3,7 +3,7 @@
 use super::Failure;
 use super::job::failure;
 use crate::camera::top_grey;
-use crate::estimate::{Calibration, GreyImage, Settings};
+use crate::estimate::{Calibration, GreyImage, Threshold};
 use crate::image_io::read_grey;
 use crate::pipeline::{self, ReadAs, Reference, Shot};
 use crate::scene::Camera;
@@ -104,53 +104,4 @@ pub(super) fn grey_image(path: &Path, bits: Option<u32>) -> Result<(GreyImage, b
     let image = GreyImage::new(read.width as usize, read.height as usize, &read.values, read.full_scale)
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())).in_file(path))?;
     Ok((image, read.linear))
-}
-
-/// A threshold as it is asked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Threshold {
-    /// Grey levels.
-    Levels(f64),
-    /// Per cent of the top grey level.
-    Percent(f64),
-}
-
-impl Default for Threshold {
-    fn default() -> Self {
-        Self::Levels(Settings::default().threshold_grey)
-    }
-}
-
-impl Threshold {
-    /// In grey levels of an image whose top level is `top_grey`.
-    pub fn of(self, top_grey: f64) -> f64 {
-        match self {
-            Self::Levels(levels) => levels,
-            Self::Percent(percent) => 0.01 * percent * top_grey,
-        }
-    }
-}
-
-impl std::fmt::Display for Threshold {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Levels(levels) => write!(f, "{levels}"),
-            Self::Percent(percent) => write!(f, "{percent}%"),
-        }
-    }
-}
-
-impl std::str::FromStr for Threshold {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let number = |text: &str| text.trim().parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
-        match text.strip_suffix('%') {
-            Some(share) => number(share).filter(|percent| *percent < 100.0).map(Self::Percent),
-            None => number(text).map(Self::Levels),
-        }
-        .ok_or_else(|| {
-            "it must be a finite number of grey levels, 0 or more, or a share below 100 % such as `2%`".into()
-        })
-    }
 }

@@ -14,7 +14,6 @@ mod environment;
 mod error;
 mod estimate;
 mod expose;
-mod exposure;
 mod flags;
 mod frames;
 mod inspect;

@@ -1,7 +1,7 @@
 //! `press`: mechanics only.
 
 use super::command::{self, command_line};
-use super::job::{load_scene, press_scene};
+use super::job::press_scene;
 use super::pressing::PressFailure;
 use super::{Failure, Outcome, Talk, print};
 use crate::mechanics::press::{PressError, Pressed};
@@ -11,7 +11,7 @@ use crate::pages::press::press_report;
 use crate::pages::press::press_rows;
 use crate::pages::press_files::write_press;
 use crate::pipeline::{PressSummary, Truth};
-use crate::scene::LoadedScene;
+use crate::scene::{LoadedScene, open};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -38,7 +38,7 @@ pub(super) struct Press {
 
 impl Press {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (loaded, file) = load_scene(&self.scene)?;
+        let (loaded, file) = open(&self.scene)?;
         if loaded.scene.press.is_none() {
             let message = format!("{}: {}", file.display(), PressError::NoPress);
             return Err(Failure::input(message).in_file(&file).at_key("press"));
@@ -66,7 +66,7 @@ impl Press {
     ) -> Result<(), Failure> {
         let name = &loaded.scene.name;
         let lift_mm = loaded.scene.stack.height_mm();
-        let truth = Truth::of(loaded.scene.phantom.as_ref(), &loaded.folder, self.without_inclusions)?;
+        let truth = Truth::of(loaded.scene.phantom.as_ref(), &loaded.files, self.without_inclusions)?;
         let pictures = write_press(name, pressed, lift_mm, &folder)?;
         if let Some(failure) = stopped {
             folder.write("STOPPED.txt", &format!("{}\nThe files hold the loads before that.\n", failure.message()))?;
@@ -75,7 +75,8 @@ impl Press {
             "report.html",
             &press_report(loaded, pressed, &truth, &pictures, stopped.map(Failure::message), command_line()).to_html(),
         )?;
-        let mut result = json!({"scene": name, "truth": truth, "mechanics": PressSummary::of(pressed)});
+        let mut result =
+            json!({"scene": name, "inputs": loaded.inputs(), "truth": truth, "mechanics": PressSummary::of(pressed)});
         if let Some(failure) = stopped {
             result["error"] = failure.json()["error"].take();
         }

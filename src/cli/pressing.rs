@@ -1,20 +1,9 @@
-//! A press that failed, and what one takes.
+//! A press that failed.
 
 use super::Failure;
-use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::path::PathError;
-use crate::mechanics::press::{Cost, PressError, Pressed};
-use crate::scene::LoadedScene;
+use crate::mechanics::press::{PressError, Pressed};
 use std::path::Path;
-
-/// What the press of a scene will take, if it has one.
-pub(super) fn press_cost(loaded: &LoadedScene, file: &Path) -> Result<Option<Cost>, Failure> {
-    let cost = match press_setup(loaded) {
-        Err(PressError::NoPress) => return Ok(None),
-        setup => setup.and_then(|setup| Cost::of(&setup, None)),
-    };
-    cost.map(Some).map_err(|error| PressFailure::of(error, file).failure)
-}
 
 /// A press that failed, and what it reached.
 pub(super) struct PressFailure {

@@ -1,8 +1,7 @@
 //! `render`: the light of a scene, as radiance and as the camera sees it.
 
 use super::command::{self, command_of_light};
-use super::exposure::note_exposure;
-use super::job::Job;
+use super::job::{Job, note_exposure};
 use super::{Common, Failure, Outcome, print};
 use crate::output::OutputFolder;
 use crate::pages::facts::{columns, facts, ledger};
@@ -29,7 +28,7 @@ impl Render {
         let shot = job.shoot(&prepared)?;
         note_exposure(&shot.suited, prepared.scene().camera.sensor.exposure_ms, common.talk.quiet);
         let pictures = shot.write_pictured(&folder, &command_of_light())?;
-        let truth = Truth::of(prepared.scene().phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
+        let truth = Truth::of(prepared.scene().phantom.as_ref(), &job.loaded.files, common.without_inclusions)?;
         let mut summary = shot.summary();
         summary.stages_seconds.files = pictures.files_seconds;
         let mut result = json!(summary);

@@ -1,8 +1,7 @@
 //! `run`: from a scene to estimates and a report.
 
 use super::command::{self, command_line, command_of_light};
-use super::exposure::note_exposure;
-use super::job::Job;
+use super::job::{Job, note_exposure};
 use super::measure::SceneReading;
 use super::{Common, Failure, Outcome, print};
 use crate::mechanics::press::Load;
@@ -10,9 +9,9 @@ use crate::output::OutputFolder;
 use crate::pages;
 use crate::pages::facts::figure;
 use crate::pages::press_files::write_press;
-use crate::pipeline::{Prepared, Reference, Truth};
+use crate::pipeline::{EarlierFrame, Prepared, Reference, Truth};
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::PathBuf;
 
 /// Press, trace, expose and estimate: what render writes, the camera image in false colour, and report.html.
@@ -74,7 +73,7 @@ pub(super) fn whole_job(
         Some((pressed, _)) => Some(write_press(&scene.name, pressed, lift_mm, &folder)?),
         None => None,
     };
-    let truth = Truth::of(scene.phantom.as_ref(), &job.loaded.folder, common.without_inclusions)?;
+    let truth = Truth::of(scene.phantom.as_ref(), &job.loaded.files, common.without_inclusions)?;
     let page = pages::run::report(&pages::run::Run {
         shot: &shot,
         figures: &figures,
@@ -88,9 +87,8 @@ pub(super) fn whole_job(
     folder.write("report.html", &page.to_html())?;
     let mut summary = shot.run_summary(&figures, reading.reference_name(), truth);
     summary.shot.stages_seconds.files = pictures.files_seconds;
-    let mut result = json!(summary);
-    result["earlier_frames"] = json!(earlier);
-    let done = command::commit(folder, Some(&job.loaded.text), result)?;
+    summary.earlier_frames = earlier;
+    let done = command::commit(folder, Some(&job.loaded.text), json!(summary))?;
     match common.talk.json {
         true => print(&done.json)?,
         false => print(&pages::run::text(&shot, &figures, &summary.truth, &done.out))?,
@@ -107,7 +105,7 @@ fn baseline(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Result<Ref
 }
 
 /// Frames of the loads before the last, written as camera_DEPTHmm.png, or of the steps as camera_NUMBER.png.
-fn earlier_loads(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Result<Vec<Value>, Failure> {
+fn earlier_loads(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Result<Vec<EarlierFrame>, Failure> {
     let Some((pressed, _)) = prepared.pressed() else { return Ok(Vec::new()) };
     let before = pressed.steps.len().saturating_sub(1);
     let mut frames = Vec::with_capacity(before);
@@ -119,9 +117,7 @@ fn earlier_loads(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Resul
             _ => format!("camera_{}mm.png", figure(step.depth_mm)),
         };
         shot.frame.write_png(&folder.path(&file))?;
-        let [depth, slide, hold] = [json!(step.depth_mm), json!(step.slide_mm), json!(step.hold_s)];
-        let camera = shot.camera_summary();
-        frames.push(json!({"depth_mm": depth, "slide_mm": slide, "hold_s": hold, "file": file, "camera": camera}));
+        frames.push(EarlierFrame::of(&shot, step, file));
     }
     Ok(frames)
 }

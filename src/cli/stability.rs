@@ -1,12 +1,12 @@
 //! `stability`: the extreme cases, each with its reference and its error.
 
-use super::command;
-use super::command::described;
+use super::command::{self, described};
 use super::flags::Backend;
-use super::{Failure, Outcome, Progress, Talk, cancel, note, print};
+use super::job::watched;
+use super::{Failure, Outcome, Talk, note, print};
 use crate::output::OutputFolder;
 use crate::pages::stability::{pictures, table};
-use crate::stability::{CHECKS, Context, Row, Tracer, membrane};
+use crate::stability::{Context, Tracer, membrane, run};
 use crate::trace::TraceError;
 use crate::trace::gpu::Gpu;
 use clap::Args;
@@ -40,7 +40,7 @@ impl Stability {
         let folder = self.out.as_ref().map(|out| OutputFolder::create(out, self.force)).transpose()?;
         let (tracers, adapter) = self.tracers()?;
         let context = Context { tracers, membrane: membrane::deflection, quick: self.quick };
-        let rows = self.rows(&context)?;
+        let rows = watched(self.talk.quiet, |observe| run(&context, observe)).ok_or_else(Failure::cancelled)?;
         let failed = rows.iter().filter(|row| !row.passed).count();
         let result = json!({
             "passed": failed == 0,
@@ -82,16 +82,5 @@ impl Stability {
             }
             Err(error) => Err(error.into()),
         }
-    }
-
-    fn rows(&self, context: &Context) -> Result<Vec<Row>, Failure> {
-        let progress = Progress::new(self.talk.quiet);
-        let mut rows = Vec::new();
-        for (done, check) in CHECKS.iter().enumerate() {
-            progress.observe(done as f64 / CHECKS.len() as f64, check.name);
-            cancel::check()?;
-            rows.extend(check.run(context));
-        }
-        Ok(rows)
     }
 }

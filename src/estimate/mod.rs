@@ -10,6 +10,7 @@ pub mod image;
 pub mod paper;
 mod spread;
 pub mod stiffness;
+mod threshold;
 mod told;
 pub mod value;
 
@@ -19,6 +20,7 @@ pub use image::{GreyImage, ImageError};
 pub use paper::{PaperEstimate, Settings, estimate, measure};
 pub use spread::Subtracted;
 pub use stiffness::{Stiffness, stiffness};
+pub use threshold::Threshold;
 pub use told::scattered;
 pub use value::Value;
 

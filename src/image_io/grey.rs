@@ -69,7 +69,7 @@ pub fn read_grey(path: &Path) -> Result<GreyImage, ImageError> {
             let values = file.channel(names.iter().find_map(find).unwrap_or(0))?;
             from_exr(path, [file.header.width, file.header.height], &values)
         }),
-        false => read_levels(path),
+        false => levels_of(path, &limits::read_file(path)?),
     }
 }
 
@@ -92,16 +92,15 @@ pub(super) fn from_exr(path: &Path, [width, height]: [usize; 2], values: &[f32])
     })
 }
 
-/// Reads a PNG or TIFF of 8 or 16 bits.
-pub(super) fn read_levels(path: &Path) -> Result<GreyImage, ImageError> {
+/// The grey levels of a PNG or TIFF of 8 or 16 bits.
+pub(super) fn levels_of(path: &Path, bytes: &[u8]) -> Result<GreyImage, ImageError> {
     let unsupported = |reason: String| ImageError::Unsupported { path: path.into(), reason };
     let damaged = |error: image::ImageError| match error {
         image::ImageError::Unsupported(kind) => unsupported(format!("{kind}; give 8 or 16 bits a sample")),
         other => ImageError::Damaged { path: path.into(), reason: other.to_string() },
     };
-    let bytes = limits::read_file(path)?;
-    check_kind(&bytes).map_err(unsupported)?;
-    let mut reader = ImageReader::new(Cursor::new(&bytes))
+    check_kind(bytes).map_err(unsupported)?;
+    let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|source| ImageError::Read { path: path.into(), source })?;
     let mut bounds = Limits::default();

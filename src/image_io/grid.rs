@@ -1,7 +1,7 @@
 //! Grids of numbers: height fields, pressures, phase patterns, from EXR, PNG, TIFF or CSV.
 
-use super::exr_chunks::with_exr;
-use super::grey::{from_exr, has_extension, is_exr, read_levels};
+use super::exr_chunks::ExrFile;
+use super::grey::{from_exr, has_extension, is_exr, levels_of};
 use super::{ImageError, limits};
 use std::path::Path;
 
@@ -16,29 +16,31 @@ pub struct Grid {
     pub values: Vec<f64>,
 }
 
-/// Reads a grid: the first channel of an EXR, the grey of a PNG or TIFF with full scale as 1, or a CSV of numbers
-/// without a heading.
+/// The grid of a file, from its bytes: the first channel of an EXR, the grey of a PNG or TIFF with full scale as 1, or a
+/// CSV of numbers without a heading. The format is told by the extension of `path`.
 ///
 /// # Errors
-/// When the file is missing, damaged, too large, of unequal rows, or holds what is not a finite number.
-pub fn read_grid(path: &Path) -> Result<Grid, ImageError> {
+/// When the file is damaged, too large, of unequal rows, or holds what is not a finite number.
+pub fn grid_of(path: &Path, bytes: &[u8]) -> Result<Grid, ImageError> {
     if has_extension(path, "csv") {
-        return read_csv(path);
+        return grid_of_csv(path, bytes);
     }
     let grey = match is_exr(path) {
-        true => with_exr(path, |file| from_exr(path, [file.header.width, file.header.height], &file.channel(0)?))?,
-        false => read_levels(path)?,
+        true => {
+            let file = ExrFile::open(path, bytes)?;
+            from_exr(path, [file.header.width, file.header.height], &file.channel(0)?)?
+        }
+        false => levels_of(path, bytes)?,
     };
     let scale = grey.full_scale.unwrap_or(1.0);
     let values = grey.values.iter().map(|value| value / scale).collect();
     Ok(Grid { columns: grey.width, rows: grey.height, values })
 }
 
-fn read_csv(path: &Path) -> Result<Grid, ImageError> {
+fn grid_of_csv(path: &Path, bytes: &[u8]) -> Result<Grid, ImageError> {
     let damaged = |reason: String| ImageError::Damaged { path: path.into(), reason };
-    let bytes = limits::read_file(path)?;
     let mut reader =
-        csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(bytes.as_slice());
+        csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(bytes);
     let (mut values, mut columns, mut rows) = (Vec::new(), 0, 0);
     for record in reader.records() {
         let record = record.map_err(|error| damaged(error.to_string()))?;
@@ -80,10 +82,7 @@ mod tests {
     use super::*;
 
     fn csv(text: &str) -> Result<Grid, ImageError> {
-        let place = tempfile::tempdir().unwrap();
-        let path = place.path().join("grid.CSV");
-        std::fs::write(&path, text).unwrap();
-        read_grid(&path)
+        grid_of(Path::new("grid.CSV"), text.as_bytes())
     }
 
     #[test]
@@ -113,6 +112,6 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("grid.png");
         write_png_grey(&path, 2, 1, &[65535, 13107], 16).unwrap();
-        assert_eq!(read_grid(&path).unwrap().values, [1.0, 0.2]);
+        assert_eq!(grid_of(&path, &std::fs::read(&path).unwrap()).unwrap().values, [1.0, 0.2]);
     }
 }

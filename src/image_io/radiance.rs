@@ -60,6 +60,17 @@ impl Provenance {
         let work = |image: &Self| (image.spp, image.photons, image.replicates, image.integrator.clone());
         self.spp > 0 && stream(self) == stream(other) && work(self) == work(other)
     }
+
+    /// Whether noise may be common though nothing shows how much of it. Images that do not name their stream have that
+    /// of their seed and scene.
+    #[must_use]
+    pub fn may_share_random_numbers(&self, other: &Self) -> bool {
+        let origin = |image: &Self| match image.stream {
+            Some(stream) => (stream, String::new(), image.integrator.clone()),
+            None => (image.seed, image.scene_sha256.clone(), image.integrator.clone()),
+        };
+        origin(self) == origin(other)
+    }
 }
 
 /// Channels of the variances of blocks, in the order of [`crate::film::blocks::EDGES`].

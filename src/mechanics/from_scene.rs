@@ -5,12 +5,11 @@ use super::element::PressureOrder;
 use super::kinematics::Kinematics;
 use super::material::{Law, Material, MaterialError, OgdenTerm, Prony};
 use super::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Resolution, Star};
-use super::press::{Load, Pose, PressError, SensorBody, Setup};
+use super::press::{Cost, Load, Pose, PressError, SensorBody, Setup};
 use crate::scene::{
-    DataFileError, Dimensions, Elastic, Face, Inclusion, InclusionBody, Indenter, Interface, LoadedScene, Phantom,
-    PhantomBody, Press, PressStep, PressedSensor, Stack, TriangleMesh, read_indenter_table, read_mesh,
+    DataFileError, Dimensions, Elastic, Face, Inclusion, InclusionBody, Indenter, Inputs, Interface, LoadedScene,
+    Phantom, PhantomBody, Press, PressStep, PressedSensor, Stack, TriangleMesh, read_indenter_table, read_mesh,
 };
-use std::path::Path;
 use std::sync::Arc;
 
 /// The material of an elastic law.
@@ -62,18 +61,18 @@ pub fn footprint(face: &Face) -> Footprint {
     }
 }
 
-/// The shape and place of an inclusion; a mesh is read from its file, relative to `folder`.
+/// The shape and place of an inclusion; a mesh is one of `files`.
 ///
 /// # Errors
 /// When the file of a mesh cannot be read or is none.
-pub fn inclusion_shape(inclusion: &Inclusion, folder: &Path) -> Result<InclusionShape, DataFileError> {
+pub fn inclusion_shape(inclusion: &Inclusion, files: &Inputs) -> Result<InclusionShape, DataFileError> {
     let (surface, reach_mm) = match &inclusion.shape {
         InclusionBody::Sphere { diameter_mm } => {
             (Star::Ellipsoid { semi_axes_mm: [diameter_mm / 2.0; 3] }, diameter_mm / 2.0)
         }
         &InclusionBody::Ellipsoid { semi_axes_mm } => (Star::Ellipsoid { semi_axes_mm }, semi_axes_mm[2]),
         InclusionBody::Mesh { file, scale } => {
-            let mesh = scaled(read_mesh(&folder.join(file))?, *scale);
+            let mesh = scaled(read_mesh(&files.open(file)?)?, *scale);
             let reach_mm = mesh.vertices.iter().fold(0.0, |reach: f64, vertex| reach.max(-vertex[2]));
             (Star::Mesh(Arc::new(mesh)), reach_mm)
         }
@@ -82,15 +81,15 @@ pub fn inclusion_shape(inclusion: &Inclusion, folder: &Path) -> Result<Inclusion
     Ok(InclusionShape { center_mm: [x, y, inclusion.center_depth_mm(reach_mm)], surface })
 }
 
-/// The shape of an indenter; a table is read from its file, relative to `folder`.
+/// The shape of an indenter; a table is one of `files`.
 ///
 /// # Errors
 /// When the file of a table cannot be read or is none.
-pub fn profile(indenter: &Indenter, folder: &Path) -> Result<Profile, DataFileError> {
+pub fn profile(indenter: &Indenter, files: &Inputs) -> Result<Profile, DataFileError> {
     Ok(match indenter {
         &Indenter::Round { radius_mm } => Profile::Round { radius_mm },
         &Indenter::RoundedFlat { flat_mm, edge_radius_mm } => Profile::RoundedFlat { flat_mm, edge_radius_mm },
-        Indenter::Table { file } => Profile::Table(read_indenter_table(&folder.join(file))?),
+        Indenter::Table { file } => Profile::Table(read_indenter_table(&files.open(file)?)?),
     })
 }
 
@@ -100,6 +99,17 @@ pub fn grip(interface: Interface) -> Grip {
         Interface::Tied => Grip::Bonded,
         Interface::Frictionless => Grip::Frictionless,
         Interface::Coulomb { friction } => Grip::Coulomb(friction),
+    }
+}
+
+/// What the press of a scene takes; none where it has none.
+///
+/// # Errors
+/// As [`press_setup`] and [`Cost::of`].
+pub fn press_cost(loaded: &LoadedScene) -> Result<Option<Cost>, PressError> {
+    match press_setup(loaded) {
+        Err(PressError::NoPress) => Ok(None),
+        setup => Cost::of(&setup?, None).map(Some),
     }
 }
 
@@ -117,7 +127,7 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
         Dimensions::Three => false,
         Dimensions::Auto => press.asymmetry(phantom, &scene.stack).is_none(),
     };
-    let inclusions = phantom.inclusion.iter().map(|one| inclusion_shape(one, &loaded.folder));
+    let inclusions = phantom.inclusion.iter().map(|one| inclusion_shape(one, &loaded.files));
     let mut inclusions = inclusions.collect::<Result<Vec<_>, _>>()?;
     // The sensor stays where it is; the phantom moves, with what is in it.
     for inclusion in &mut inclusions {
@@ -125,7 +135,7 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
     }
     let base = if flat { Resolution::PLANE } else { Resolution::SOLID };
     let edge_radius_mm = press.edge_radius_mm(&scene.stack);
-    let profile = press.indenter.as_ref().map(|indenter| profile(indenter, &loaded.folder)).transpose()?;
+    let profile = press.indenter.as_ref().map(|indenter| profile(indenter, &loaded.files)).transpose()?;
     let (footprint, resolution) = match (&profile, &press.indenter) {
         (Some(profile), Some(indenter)) => {
             let touched = touched(press, phantom, indenter, profile)?;
@@ -326,7 +336,7 @@ mod tests {
     fn a_depth_to_the_top_and_to_the_centre_mean_the_same_place() {
         let inclusion = |shape, depth_mm, depth_to| {
             let one = Inclusion { shape, depth_mm, depth_to, center_mm: [1.0, -2.0], material: linear() };
-            inclusion_shape(&one, Path::new("")).unwrap().center_mm
+            inclusion_shape(&one, &Inputs::default()).unwrap().center_mm
         };
         let sphere = || InclusionBody::Sphere { diameter_mm: 8.0 };
         assert_eq!(inclusion(sphere(), 5.0, DepthTo::Top), [1.0, -2.0, 9.0]);
@@ -337,27 +347,28 @@ mod tests {
 
     #[test]
     fn a_mesh_is_scaled_and_its_top_is_its_lowest_vertex() {
-        let folder = tempfile::tempdir().unwrap();
         let octahedron = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 3\nv 0 0 -2\n\
                           f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
-        std::fs::write(folder.path().join("lump.obj"), octahedron).unwrap();
+        let mut files = Inputs::default();
+        files.insert("lump.obj", octahedron.as_bytes());
         let shape = InclusionBody::Mesh { file: "lump.obj".into(), scale: 2.0 };
         let mut one =
             Inclusion { shape, depth_mm: 5.0, depth_to: DepthTo::Top, center_mm: [0.0; 2], material: linear() };
-        let lump = inclusion_shape(&one, folder.path()).unwrap();
+        let lump = inclusion_shape(&one, &files).unwrap();
         assert_eq!(lump.center_mm, [0.0, 0.0, 9.0]);
         let Star::Mesh(mesh) = lump.surface else { panic!("not a mesh") };
         assert_eq!(mesh.vertices[4], [0.0, 0.0, 6.0]);
         one.depth_to = DepthTo::Center;
-        assert_eq!(inclusion_shape(&one, folder.path()).unwrap().center_mm[2], 5.0);
+        assert_eq!(inclusion_shape(&one, &files).unwrap().center_mm[2], 5.0);
         one.shape = InclusionBody::Mesh { file: "none.obj".into(), scale: 1.0 };
-        assert_eq!(inclusion_shape(&one, folder.path()).unwrap_err().kind, "io");
+        assert_eq!(inclusion_shape(&one, &files).unwrap_err().kind, "io");
     }
 
     #[test]
     fn every_preset_of_a_phantom_can_be_meshed() {
         let mesh = |phantom: &Phantom, footprint, symmetry| {
-            let inclusions = phantom.inclusion.iter().map(|one| inclusion_shape(one, Path::new("")).unwrap()).collect();
+            let inclusions =
+                phantom.inclusion.iter().map(|one| inclusion_shape(one, &Inputs::default()).unwrap()).collect();
             let shape = phantom_shape(&phantom.shape);
             PhantomMesh {
                 shape,

@@ -3,6 +3,20 @@
 use crate::estimate::Value as Estimate;
 use crate::film::RADIANCE_UNIT;
 use crate::pipeline::{Shot, segments_per_second};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// What a report says of its scene, so that whoever has the files can tell: name and value.
+pub fn scene_rows(name: &str, sha256: &str, inputs: &BTreeMap<PathBuf, String>) -> Vec<(String, String)> {
+    let own = [("scene".to_owned(), name.to_owned()), ("scene's SHA-256".to_owned(), sha256.to_owned())];
+    let named = inputs.iter().map(|(file, sha256)| (format!("{}'s SHA-256", file.display()), sha256.clone()));
+    own.into_iter().chain(named).collect()
+}
+
+/// The program's version, as name and value.
+pub fn version() -> (String, String) {
+    ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned())
+}
 
 /// Name and value of what was computed, in reading order.
 pub fn facts(shot: &Shot) -> Vec<(String, String)> {

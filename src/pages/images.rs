@@ -1,7 +1,7 @@
 //! Figures of images from anywhere.
 
 use super::facts::{columns, figure, said_within};
-use crate::estimate::{Estimates, GreyImage, PaperEstimate, Stiffness, Value};
+use crate::estimate::{Calibration, Estimates, GreyImage, PaperEstimate, Settings, Stiffness, Value, stiffness};
 use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
 
@@ -11,6 +11,24 @@ pub struct Measured {
     pub image: GreyImage,
     pub threshold_grey: f64,
     pub paper: PaperEstimate,
+}
+
+/// What two images say about stiffness, or why they do not.
+pub fn relative_stiffness(
+    measured: &[Measured],
+    settings: &dyn Fn(f64) -> Settings,
+    calibration: Option<&Calibration>,
+) -> Result<Stiffness, String> {
+    match (measured, calibration) {
+        ([first, second], _) if first.image.top_grey() != second.image.top_grey() => {
+            Err("the images' grey levels end at different values, and so cannot be compared".into())
+        }
+        ([first, second], Some(calibration)) => {
+            Ok(stiffness(&first.image, &second.image, &settings(first.threshold_grey), calibration))
+        }
+        ([_, _], None) => Err("no calibration gives force and pressure".into()),
+        _ => Err(format!("it takes two images under different press, there are {}", measured.len())),
+    }
 }
 
 /// All images and what two say of stiffness.

@@ -8,7 +8,7 @@ use crate::mechanics::press::Cost;
 use crate::pipeline::{Prepared, method_name, view_of};
 use crate::surface::Surface;
 use crate::trace::gains::Gain;
-use crate::trace::{Kernel, Method, Plan};
+use crate::trace::{Devices, Kernel, Method, Model, Plan, TraceError};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -44,6 +44,22 @@ pub struct Device {
     pub adapter: String,
     /// Why not on a GPU.
     pub notice: Option<String>,
+}
+
+impl Device {
+    /// Of the devices that were opened, if they can trace the model.
+    pub fn of(devices: &Result<Devices, TraceError>, model: &Model<f64>) -> Self {
+        let backend = devices.as_ref().map_err(ToString::to_string).and_then(|devices| {
+            let backend = devices.load(model).map_err(|error| error.to_string())?;
+            Ok((backend, devices.notice()))
+        });
+        match backend {
+            Ok((backend, notice)) => {
+                Self { backend: Some(backend.name()), adapter: backend.adapter(), notice: notice.map(str::to_owned) }
+            }
+            Err(error) => Self { backend: None, adapter: "none that can do it".into(), notice: Some(error) },
+        }
+    }
 }
 
 /// All that `inspect` shows.

@@ -6,6 +6,7 @@ pub mod comparison;
 pub mod converge;
 pub mod difference;
 mod error;
+pub mod exposure;
 pub mod facts;
 pub mod frames;
 pub mod images;

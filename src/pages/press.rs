@@ -1,6 +1,6 @@
 //! What a report says of a press.
 
-use super::facts::figure;
+use super::facts::{figure, scene_rows, version};
 use super::press_files::PressPictures;
 use super::truth::truth_table;
 use crate::mechanics::press::{PressStep, Pressed, Rounding};
@@ -36,12 +36,10 @@ pub fn press_report(
         summary: scene.description.clone(),
         facts,
         sections: vec![section],
-        provenance: vec![
-            pair("scene", scene.name.clone()),
-            pair("scene's SHA-256", loaded.sha256.clone()),
-            pair("version", env!("CARGO_PKG_VERSION").to_owned()),
-            pair("command", command),
-        ],
+        provenance: scene_rows(&scene.name, &loaded.sha256, &loaded.inputs())
+            .into_iter()
+            .chain([version(), pair("command", command)])
+            .collect(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! The report of a run.
 
-use super::facts::{columns, facts, figure, ledger, mean_radiance, said};
+use super::facts::{columns, facts, figure, ledger, mean_radiance, said, scene_rows, version};
 use super::press::{press_rows, press_section};
 use super::press_files::PressPictures;
 use super::regimes::layers;
@@ -166,14 +166,15 @@ fn sentence(text: &str) -> String {
 
 fn provenance(shot: &Shot, command: &str) -> Vec<(String, String)> {
     let pair = |name: &str, value: String| (name.to_owned(), value);
-    vec![
-        pair("scene", shot.prepared.scene().name.clone()),
-        pair("scene's SHA-256", shot.prepared.loaded.sha256.clone()),
+    let loaded = &shot.prepared.loaded;
+    let mut rows = scene_rows(&loaded.scene.name, &loaded.sha256, &loaded.inputs());
+    rows.extend([
         pair("seed", shot.prepared.streams.seed.to_string()),
         pair("adapter", shot.outcome.adapter.clone()),
-        pair("version", env!("CARGO_PKG_VERSION").to_owned()),
+        version(),
         pair("command", command.to_owned()),
-    ]
+    ]);
+    rows
 }
 
 /// A run in words; `out` is its folder.

@@ -43,13 +43,12 @@ fn skin(truth: &Truth) -> String {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::scene::Phantom;
-    use std::path::Path;
+    use crate::scene::{Inputs, Phantom};
 
     #[test]
     fn inclusions_are_told_one_by_one() {
         let mut phantom = crate::scene::preset("phantom-size-8mm").unwrap().scene.phantom.unwrap();
-        let truth = |phantom: &Phantom, without| Truth::of(Some(phantom), Path::new(""), without).unwrap();
+        let truth = |phantom: &Phantom, without| Truth::of(Some(phantom), &Inputs::default(), without).unwrap();
         assert_eq!(truth_rows(&truth(&phantom, false))[0].1, "8 mm across, 5 mm deep to its top, 120 kPa");
         assert!(truth_table(&truth(&phantom, true)).is_none());
         phantom.inclusion.push(phantom.inclusion[0].clone());

@@ -40,8 +40,8 @@ pub use session::Session;
 pub(crate) use session::guides_light;
 pub use shot::{Shot, view_of};
 pub use summary::{
-    BlockError, CameraSummary, MapSummary, NO_MECHANICS, PaperSummary, PressSummary, RunSummary, ShotSummary,
-    StageSeconds, StepSummary,
+    BlockError, CameraSummary, EarlierFrame, MapSummary, NO_MECHANICS, PaperSummary, PressSummary, RunSummary,
+    ShotSummary, StageSeconds, StepSummary,
 };
 pub(crate) use summary::{method_name, segments_per_second, setting};
 pub use truth::{TrueInclusion, TrueLayer, Truth};

@@ -11,6 +11,8 @@ use crate::mechanics::press::{PressStep, Pressed, Setup};
 use crate::trace::Outcome;
 use crate::trace::batch::Times;
 use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// Why there are no mechanics.
 pub const NO_MECHANICS: &str = "the scene presses nothing: it prescribes shape and contact, or has neither";
@@ -20,6 +22,8 @@ pub const NO_MECHANICS: &str = "the scene presses nothing: it prescribes shape a
 pub struct ShotSummary {
     /// Name of the scene.
     pub scene: String,
+    /// SHA-256 of each file that the scene names.
+    pub inputs: BTreeMap<PathBuf, String>,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
     /// What traced it.
@@ -218,6 +222,31 @@ pub struct RunSummary {
     pub mechanics: Figure<PressSummary>,
     /// What the phantom holds.
     pub truth: Truth,
+    /// Frames of the loads before the last.
+    pub earlier_frames: Vec<EarlierFrame>,
+}
+
+/// A frame of a load.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EarlierFrame {
+    /// Depth of the load, mm.
+    pub depth_mm: f64,
+    /// How far it had slid along x and y, mm.
+    pub slide_mm: [f64; 2],
+    /// How long it was held, s.
+    pub hold_s: f64,
+    /// Its file.
+    pub file: String,
+    /// The frame.
+    pub camera: CameraSummary,
+}
+
+impl EarlierFrame {
+    /// Of a shot of that load, written as `file`.
+    pub fn of(shot: &Shot, step: &PressStep, file: String) -> Self {
+        let &PressStep { depth_mm, slide_mm, hold_s, .. } = step;
+        Self { depth_mm, slide_mm, hold_s, file, camera: shot.camera_summary() }
+    }
 }
 
 impl Shot<'_> {
@@ -235,6 +264,7 @@ impl Shot<'_> {
             |(edge_pixels, error)| BlockError { edge_pixels, relative_error: Figure::of(error, "the image is dark") };
         ShotSummary {
             scene: self.prepared.scene().name.clone(),
+            inputs: self.prepared.loaded.inputs(),
             backend: outcome.backend,
             adapter: outcome.adapter.clone(),
             notice: outcome.notice.clone(),
@@ -282,6 +312,7 @@ impl Shot<'_> {
             estimates: reading.estimates.clone(),
             mechanics: Figure::of(mechanics, NO_MECHANICS),
             truth,
+            earlier_frames: Vec::new(),
         }
     }
 

@@ -4,9 +4,8 @@ use crate::figure::Figure;
 use crate::mechanics::from_scene::{inclusion_shape, material};
 use crate::mechanics::mesh::Star;
 use crate::mechanics::press::PressError;
-use crate::scene::{Elastic, Inclusion, Phantom};
+use crate::scene::{Elastic, Inclusion, Inputs, Phantom};
 use serde::Serialize;
-use std::path::Path;
 
 /// A phantom and its inclusions. The first three figures are those of the inclusion, where there is one and no other.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -51,13 +50,13 @@ pub struct TrueInclusion {
 }
 
 impl Truth {
-    /// Of a scene's phantom; files are relative to `folder`. `without` its inclusions it holds none.
+    /// Of a scene's phantom; its meshes are some of `files`. `without` its inclusions it holds none.
     ///
     /// # Errors
     /// When an inclusion's mesh cannot be read, or a material makes no sense.
-    pub fn of(phantom: Option<&Phantom>, folder: &Path, without: bool) -> Result<Self, PressError> {
+    pub fn of(phantom: Option<&Phantom>, files: &Inputs, without: bool) -> Result<Self, PressError> {
         let Some(phantom) = phantom else { return Ok(Self::unknown("the scene has no phantom")) };
-        let inclusions = phantom.inclusion.iter().filter(|_| !without).map(|one| TrueInclusion::of(one, folder));
+        let inclusions = phantom.inclusion.iter().filter(|_| !without).map(|one| TrueInclusion::of(one, files));
         let inclusions = inclusions.collect::<Result<Vec<_>, _>>()?;
         let layer = |layer: &crate::scene::PhantomLayer| {
             Ok(TrueLayer { thickness_mm: layer.thickness_mm, youngs_kpa: modulus_kpa(&layer.material)? })
@@ -87,8 +86,8 @@ impl Truth {
 }
 
 impl TrueInclusion {
-    fn of(inclusion: &Inclusion, folder: &Path) -> Result<Self, PressError> {
-        let shape = inclusion_shape(inclusion, folder)?;
+    fn of(inclusion: &Inclusion, files: &Inputs) -> Result<Self, PressError> {
+        let shape = inclusion_shape(inclusion, files)?;
         let (low, high) = match &shape.surface {
             Star::Ellipsoid { semi_axes_mm } => (semi_axes_mm.map(|semi| -semi), *semi_axes_mm),
             Star::Mesh(mesh) => {
@@ -124,53 +123,53 @@ mod tests {
     use super::*;
     use crate::scene::{DepthTo, InclusionBody, preset};
 
-    fn truth(change: impl FnOnce(&mut Inclusion), folder: &Path) -> TrueInclusion {
+    fn truth(change: impl FnOnce(&mut Inclusion), files: &Inputs) -> TrueInclusion {
         let mut phantom = preset("phantom-size-8mm").unwrap().scene.phantom.unwrap();
         change(&mut phantom.inclusion[0]);
-        Truth::of(Some(&phantom), folder, false).unwrap().inclusions[0]
+        Truth::of(Some(&phantom), files, false).unwrap().inclusions[0]
     }
 
     #[test]
     fn a_truth_is_that_of_the_shape_whatever_its_depth_is_counted_to() {
-        let plain = truth(|_| {}, Path::new(""));
+        let plain = truth(|_| {}, &Inputs::default());
         assert_eq!((plain.size_mm, plain.widths_mm), (8.0, [8.0; 3]));
         let moved = |one: &mut Inclusion| {
             one.shape = InclusionBody::Ellipsoid { semi_axes_mm: [4.0, 1.0, 3.0] };
             (one.depth_mm, one.depth_to, one.center_mm) = (9.0, DepthTo::Center, [2.0, -1.0]);
         };
-        let moved = truth(moved, Path::new(""));
+        let moved = truth(moved, &Inputs::default());
         // The circle of the same area as an ellipse of 8 by 2 mm: 4 mm.
         assert_eq!((moved.size_mm, moved.depth_mm, moved.center_mm), (4.0, 6.0, [2.0, -1.0]));
     }
 
     #[test]
     fn a_mesh_has_the_widths_of_its_vertices() {
-        let folder = tempfile::tempdir().unwrap();
         let octahedron = "v 1 0 0\nv -1 0 0\nv 0 4 0\nv 0 -4 0\nv 0 0 3\nv 0 0 -2\n\
                           f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
-        std::fs::write(folder.path().join("lump.obj"), octahedron).unwrap();
+        let mut files = Inputs::default();
+        files.insert("lump.obj", octahedron.as_bytes());
         let lump = |one: &mut Inclusion| {
             one.shape = InclusionBody::Mesh { file: "lump.obj".into(), scale: 2.0 };
             (one.depth_mm, one.depth_to) = (5.0, DepthTo::Top);
         };
-        let found = truth(lump, folder.path());
+        let found = truth(lump, &files);
         assert_eq!((found.widths_mm, found.depth_mm), ([4.0, 16.0, 10.0], 5.0));
     }
 
     #[test]
     fn without_inclusions_or_phantom_there_is_less_to_know() {
         let scene = preset("phantom-size-8mm").unwrap().scene;
-        let without = Truth::of(scene.phantom.as_ref(), Path::new(""), true).unwrap();
+        let without = Truth::of(scene.phantom.as_ref(), &Inputs::default(), true).unwrap();
         assert!(without.inclusions.is_empty() && without.phantom_youngs_kpa.value().unwrap() > 0.0);
         assert!(without.size_mm.reason().unwrap().contains("no inclusion"));
-        let none = Truth::of(None, Path::new(""), false).unwrap();
+        let none = Truth::of(None, &Inputs::default(), false).unwrap();
         assert!(none.youngs_kpa.reason().unwrap().contains("no phantom"));
     }
 
     #[test]
     fn a_single_inclusion_is_the_truth_and_of_several_none_is() {
         let mut phantom = preset("phantom-size-8mm").unwrap().scene.phantom.unwrap();
-        let truth = |phantom: &Phantom| Truth::of(Some(phantom), Path::new(""), false).unwrap();
+        let truth = |phantom: &Phantom| Truth::of(Some(phantom), &Inputs::default(), false).unwrap();
         let one = truth(&phantom);
         assert_eq!([&one.size_mm, &one.depth_mm, &one.youngs_kpa].map(Figure::value), [8.0, 5.0, 120.0].map(Some));
         phantom.inclusion.push(phantom.inclusion[0].clone());

@@ -35,15 +35,24 @@ impl Defect {
     }
 }
 
+impl DataFileError {
+    pub(super) fn too_large(file: &Path, max_bytes: u64) -> Self {
+        let message = format!("is larger than the limit of {max_bytes} bytes");
+        Self { kind: "too_large", file: file.to_path_buf(), line: None, message }
+    }
+}
+
 /// The bytes of a file that is at most `max_bytes` large.
 pub(super) fn read_limited(path: &Path, max_bytes: u64) -> Result<Vec<u8>, DataFileError> {
-    let error = |kind, message| DataFileError { kind, file: path.to_path_buf(), line: None, message };
-    let unreadable = |cause: std::io::Error| error("io", format!("cannot be read: {cause}"));
+    let unreadable = |cause: std::io::Error| {
+        let message = format!("cannot be read: {cause}");
+        DataFileError { kind: "io", file: path.to_path_buf(), line: None, message }
+    };
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
     file.take(max_bytes + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > max_bytes {
-        return Err(error("too_large", format!("is larger than the limit of {max_bytes} bytes")));
+        return Err(DataFileError::too_large(path, max_bytes));
     }
     Ok(bytes)
 }

@@ -6,8 +6,8 @@
 //! multiplier and the ballast factor only (the third factor became a file-generation code in 2019), and a horizontal
 //! range of 90 to 270 degrees is refused.
 
-use super::data_file::{DataFileError, Defect, read_limited};
-use std::path::Path;
+use super::data_file::{DataFileError, Defect};
+use super::inputs::Input;
 
 /// Largest file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -56,11 +56,10 @@ fn cell(angles: &[f64], value: f64) -> Option<(usize, f64)> {
 /// Reads an IES file.
 ///
 /// # Errors
-/// When the file cannot be read, breaks the format, or emits nothing in front of the lamp.
-pub fn read_ies(path: &Path) -> Result<IesTable, DataFileError> {
-    let bytes = read_limited(path, MAX_BYTES)?;
+/// When the file is too large, breaks the format, or emits nothing in front of the lamp.
+pub fn read_ies(input: &Input) -> Result<IesTable, DataFileError> {
     // Labels may be in any encoding; the numbers are ASCII.
-    parse(&String::from_utf8_lossy(&bytes)).map_err(|defect| defect.in_file(path))
+    parse(&String::from_utf8_lossy(input.at_most(MAX_BYTES)?)).map_err(|defect| defect.in_file(&input.path))
 }
 
 fn parse(text: &str) -> Result<IesTable, Defect> {

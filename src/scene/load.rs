@@ -4,10 +4,11 @@
 
 use super::data_file::read_limited;
 use super::error::SceneError;
+use super::inputs::{Inputs, sha256};
 use super::locate::{line_at, line_of};
 use super::{Invalid, ScanScene, Scene, schema, structure, validate};
 use serde::Deserialize;
-use sha2::{Digest as _, Sha256};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, Deserializer};
 
@@ -19,8 +20,8 @@ const MAX_BYTES: u64 = 1 << 20;
 pub struct Loaded<S> {
     /// The scene.
     pub scene: S,
-    /// Folder of the scene file; files named by the scene are relative to it.
-    pub folder: PathBuf,
+    /// The files that the scene names, relative to its folder.
+    pub files: Inputs,
     /// The file's text.
     pub text: String,
     /// SHA-256 of the file's bytes, in hexadecimal.
@@ -33,28 +34,33 @@ pub type LoadedScene = Loaded<Scene>;
 /// A valid scan scene.
 pub type LoadedScan = Loaded<ScanScene>;
 
-impl<S> Loaded<S> {
-    /// Where a file named by the scene lies.
-    pub fn resolve(&self, file: &Path) -> PathBuf {
-        self.folder.join(file)
+impl LoadedScene {
+    /// What tells the scene from others: the SHA-256 of its file, or one of the scene itself where that has been changed
+    /// since it was read; with those of the files that it names, where it names some.
+    #[must_use]
+    pub fn identity(&self) -> String {
+        let as_read = parse(&self.text, Path::new("")).is_ok_and(|read| read.scene == self.scene);
+        let own = match serde_json::to_vec(&self.scene) {
+            Ok(bytes) if !as_read => sha256(&bytes),
+            _ => self.sha256.clone(),
+        };
+        let inputs = self.inputs();
+        match inputs.is_empty() {
+            true => own,
+            false => sha256(format!("{own}{inputs:?}").as_bytes()),
+        }
+    }
+
+    /// SHA-256 of each file that the scene names, by the name as written; those that cannot be read are left out.
+    pub fn inputs(&self) -> BTreeMap<PathBuf, String> {
+        self.files.hashes(self.scene.files())
     }
 }
 
-/// A SHA-256 in hexadecimal.
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-impl LoadedScene {
-    /// What tells the scene from others: the SHA-256 of its file, or one of the scene itself where that has been changed
-    /// since it was read.
-    #[must_use]
-    pub fn identity(&self) -> String {
-        let as_read = parse(&self.text, &self.folder).is_ok_and(|read| read.scene == self.scene);
-        match serde_json::to_vec(&self.scene) {
-            Ok(bytes) if !as_read => sha256(&bytes),
-            _ => self.sha256.clone(),
-        }
+impl LoadedScan {
+    /// As [`LoadedScene::inputs`].
+    pub fn inputs(&self) -> BTreeMap<PathBuf, String> {
+        self.files.hashes(self.scene.files())
     }
 }
 
@@ -64,8 +70,8 @@ impl LoadedScene {
 /// When the file cannot be read, is no scene, breaks a rule, or names a file that does not exist.
 pub fn load(path: &Path) -> Result<LoadedScene, SceneError> {
     let text = read_text(path)?;
-    let loaded = parse(&text, path)?;
-    files_exist(&text, path, &loaded.folder, loaded.scene.files())?;
+    let mut loaded = parse(&text, path)?;
+    read_named(&text, path, &mut loaded.files, loaded.scene.files())?;
     Ok(loaded)
 }
 
@@ -83,8 +89,8 @@ pub fn load_alone(path: &Path) -> Result<LoadedScene, SceneError> {
 /// As [`load`].
 pub fn load_scan(path: &Path) -> Result<LoadedScan, SceneError> {
     let text = read_text(path)?;
-    let loaded = parse_scan(&text, path)?;
-    files_exist(&text, path, &loaded.folder, loaded.scene.files())?;
+    let mut loaded = parse_scan(&text, path)?;
+    read_named(&text, path, &mut loaded.files, loaded.scene.files())?;
     Ok(loaded)
 }
 
@@ -99,23 +105,28 @@ fn read_text(path: &Path) -> Result<String, SceneError> {
     })
 }
 
-fn files_exist(text: &str, path: &Path, folder: &Path, files: Vec<(String, &Path)>) -> Result<(), SceneError> {
-    let missing = |(key, named): (String, &Path)| {
-        let resolved = folder.join(named);
-        let line = || DeTable::parse(text).ok().map(|document| line_of(text, document.get_ref(), &key));
+/// Reads the files that a scene names; one that is missing is a mistake of the scene.
+fn read_named(text: &str, path: &Path, inputs: &mut Inputs, files: Vec<(String, &Path)>) -> Result<(), SceneError> {
+    let missing = |(key, named): &(String, &Path)| {
+        let resolved = inputs.resolve(named);
+        let line = || DeTable::parse(text).ok().map(|document| line_of(text, document.get_ref(), key));
         let message =
             format!("names {}, which is not a file; paths are relative to the scene's folder", resolved.display());
-        (!resolved.is_file()).then(|| SceneError::of_file("missing_file", path, message).at(line(), Some(&key)))
+        (!resolved.is_file()).then(|| SceneError::of_file("missing_file", path, message).at(line(), Some(key)))
     };
-    match SceneError::first_of(files.into_iter().filter_map(missing).collect()) {
+    match SceneError::first_of(files.iter().filter_map(missing).collect()) {
         Some(error) => Err(error),
-        None => Ok(()),
+        None => {
+            files.iter().for_each(|(_, named)| inputs.keep(named));
+            Ok(())
+        }
     }
 }
 
 /// Reads a scene from its text; `origin` is the file it came from, for messages and relative paths.
 ///
-/// The files that the scene names are not looked at.
+/// The files that the scene names are not looked at: they are read when they are needed, where [`Inputs::insert`] has
+/// not given them.
 ///
 /// # Errors
 /// When the text is no scene or breaks a rule.
@@ -164,7 +175,7 @@ fn parse_as<'t, S: Deserialize<'t>>(
     })?;
     Ok(Loaded {
         scene,
-        folder: origin.parent().map(Path::to_path_buf).unwrap_or_default(),
+        files: Inputs::of_folder(origin.parent().unwrap_or(Path::new(""))),
         text: text.to_owned(),
         sha256: sha256(text.as_bytes()),
     })

@@ -136,7 +136,31 @@ fn a_file_that_does_not_exist_is_named_with_its_key() {
     assert_eq!(error.line, Some(line_at(&text, text.find("#!").unwrap())));
     std::fs::write(folder.path().join("plate.obj"), "").unwrap();
     let loaded = load(&path).unwrap();
-    assert_eq!(loaded.resolve(Path::new("plate.obj")), folder.path().join("plate.obj"));
+    assert_eq!(loaded.files.resolve(Path::new("plate.obj")), folder.path().join("plate.obj"));
+}
+
+#[test]
+fn a_scene_is_that_of_its_files_when_it_was_loaded() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, plate) = (folder.path().join("scene.toml"), folder.path().join("plate.obj"));
+    let shape = "{ kind = \"spherical_dent\", depth_mm = 1.0, radius_mm = 4.0 }";
+    std::fs::write(&path, text_of("dent-cap").replace(shape, "{ kind = \"mesh\", file = \"plate.obj\" }")).unwrap();
+    let load_with = |text: &str| {
+        std::fs::write(&plate, text).unwrap();
+        load(&path).unwrap()
+    };
+    let [one, other, again] = ["v 0 0 1", "v 0 0 2", "v 0 0 1"].map(load_with);
+    assert_eq!(one.identity(), again.identity());
+    assert_ne!(one.identity(), other.identity());
+    assert_eq!(&*other.files.open(Path::new("plate.obj")).unwrap().bytes, b"v 0 0 2");
+    assert_eq!(one.inputs().len(), 1);
+    // In memory: the same text, and the file's bytes.
+    let mut made = parse(&one.text, Path::new("elsewhere/scene.toml")).unwrap();
+    made.files.insert("plate.obj", *b"v 0 0 1");
+    assert_eq!((made.identity(), made.inputs()), (one.identity(), one.inputs()));
+    // A scene that names none is known by its own hash.
+    let plain = parse(text_of("dent-cap"), Path::new("scene.toml")).unwrap();
+    assert_eq!(plain.identity(), plain.sha256);
 }
 
 #[test]

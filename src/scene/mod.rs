@@ -12,6 +12,7 @@ pub mod elastic;
 pub mod error;
 mod files;
 pub mod ies;
+mod inputs;
 pub mod load;
 mod locate;
 mod materials;
@@ -33,10 +34,11 @@ pub use data_file::DataFileError;
 pub use elastic::*;
 pub use error::SceneError;
 pub use ies::{IesTable, read_ies};
+pub use inputs::{Input, Inputs};
 pub use load::{Loaded, LoadedScan, LoadedScene, load, load_alone, load_scan, parse, parse_scan};
 pub use mesh_file::{TriangleMesh, read_mesh};
 pub use phantom::*;
-pub use presets::{PRESETS, SCAN_PRESETS, preset, scan_preset};
+pub use presets::{PRESETS, SCAN_PRESETS, open, open_scan, preset, scan_preset};
 pub use press::*;
 pub use scan::*;
 pub use schema::{scan_schema, schema};
@@ -120,4 +122,18 @@ pub enum Integrator {
     Splat,
     /// Photons fill an irradiance map on the touched face; camera rays read it.
     Map,
+}
+
+impl std::str::FromStr for Integrator {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            "path" => Ok(Self::Path),
+            "splat" => Ok(Self::Splat),
+            "map" => Ok(Self::Map),
+            _ => Err("it must be auto, path, splat or map"),
+        }
+    }
 }

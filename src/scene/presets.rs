@@ -1,7 +1,7 @@
 //! The scenes that come with the program.
 
 use super::error::SceneError;
-use super::load::{LoadedScan, LoadedScene, parse, parse_scan};
+use super::load::{Loaded, LoadedScan, LoadedScene, load, load_scan, parse, parse_scan};
 use std::path::{Path, PathBuf};
 
 /// Name and text of every preset.
@@ -47,6 +47,45 @@ pub fn scan_preset(name: &str) -> Result<LoadedScan, SceneError> {
     let others = (PRESETS, "a scene of a sensor, which run, render, press and inspect take");
     let (text, file) = find(SCAN_PRESETS, name, others)?;
     parse_scan(text, &file)
+}
+
+/// Before the name of a scene that comes with the program.
+const PRESET: &str = "preset:";
+
+/// The scene of a file, or the preset of `preset:NAME`, and the name it goes by in messages.
+///
+/// # Errors
+/// As [`load`] and [`preset`].
+pub fn open(source: &Path) -> Result<(LoadedScene, PathBuf), SceneError> {
+    open_as(source, PRESETS, preset, load)
+}
+
+/// The scan scene of a file, or the preset of `preset:NAME`, and the name it goes by in messages.
+///
+/// # Errors
+/// As [`load_scan`] and [`scan_preset`].
+pub fn open_scan(source: &Path) -> Result<(LoadedScan, PathBuf), SceneError> {
+    open_as(source, SCAN_PRESETS, scan_preset, load_scan)
+}
+
+fn open_as<S>(
+    source: &Path,
+    presets: Presets,
+    preset: fn(&str) -> Result<Loaded<S>, SceneError>,
+    load: fn(&Path) -> Result<Loaded<S>, SceneError>,
+) -> Result<(Loaded<S>, PathBuf), SceneError> {
+    if let Some(name) = source.to_str().and_then(|source| source.strip_prefix(PRESET)) {
+        return Ok((preset(name)?, PathBuf::from(format!("{name}.toml"))));
+    }
+    let meant = |(name, _): &&(&str, &str)| source.file_stem().is_some_and(|stem| stem == *name) && !source.exists();
+    let loaded = load(source).map_err(|error| match presets.iter().find(meant) {
+        Some((name, _)) => {
+            let message = format!("{}; the scene of that name in the program is {PRESET}{name}", error.message);
+            SceneError { message, ..error }
+        }
+        None => error,
+    })?;
+    Ok((loaded, source.to_path_buf()))
 }
 
 /// Name and text of presets.

@@ -1,7 +1,7 @@
 //! Tables of two columns from CSV: pressure against radius, an indenter's shape against the distance from its axis.
 
-use super::data_file::{DataFileError, Defect, read_limited};
-use std::path::Path;
+use super::data_file::{DataFileError, Defect};
+use super::inputs::Input;
 
 /// Largest table, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -14,18 +14,18 @@ const INDENTER: [&str; 2] = ["x_mm", "below_mm"];
 /// Reads a table of `r_mm,pressure_kpa`: radii ascending from 0 or more, pressures not negative, at least two rows.
 ///
 /// # Errors
-/// When the file cannot be read or breaks one of these rules.
-pub fn read_pressure_table(path: &Path) -> Result<Vec<[f64; 2]>, DataFileError> {
-    rows(&read_limited(path, MAX_BYTES)?, PRESSURE).map_err(|defect| defect.in_file(path))
+/// When the file is too large or breaks one of these rules.
+pub fn read_pressure_table(input: &Input) -> Result<Vec<[f64; 2]>, DataFileError> {
+    rows(input.at_most(MAX_BYTES)?, PRESSURE).map_err(|defect| defect.in_file(&input.path))
 }
 
 /// Reads a table of `x_mm,below_mm`: distances from an indenter's axis, ascending from 0, and how far its face lies
 /// behind its tip there, not negative, 0 on the axis; at least two rows.
 ///
 /// # Errors
-/// When the file cannot be read or breaks one of these rules.
-pub fn read_indenter_table(path: &Path) -> Result<Vec<[f64; 2]>, DataFileError> {
-    indenter_rows(&read_limited(path, MAX_BYTES)?).map_err(|defect| defect.in_file(path))
+/// When the file is too large or breaks one of these rules.
+pub fn read_indenter_table(input: &Input) -> Result<Vec<[f64; 2]>, DataFileError> {
+    indenter_rows(input.at_most(MAX_BYTES)?).map_err(|defect| defect.in_file(&input.path))
 }
 
 fn indenter_rows(bytes: &[u8]) -> Result<Vec<[f64; 2]>, Defect> {
@@ -87,6 +87,7 @@ fn line_of(position: &csv::Position) -> usize {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::path::Path;
 
     fn read(text: &str) -> Result<Vec<[f64; 2]>, DataFileError> {
         rows(text.as_bytes(), PRESSURE).map_err(|defect| defect.in_file(Path::new("p.csv")))

@@ -26,6 +26,15 @@ pub struct Camera {
     pub sensor: Sensor,
 }
 
+impl Camera {
+    /// Divides the columns and rows by so many, to 4 at the least, over the same view.
+    pub fn shrink(&mut self, by: u32) {
+        let before = self.pixels[0];
+        self.pixels = self.pixels.map(|pixels| (pixels / by.max(1)).max(4));
+        self.pixel_pitch_um *= f64::from(before) / f64::from(self.pixels[0]);
+    }
+}
+
 /// Which extent of the image the view angle spans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

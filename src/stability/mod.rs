@@ -29,6 +29,7 @@ use crate::mechanics::material::MaterialError;
 use crate::mechanics::mesh::MeshError;
 use crate::mechanics::path::PathError;
 use crate::mechanics::press::PressError;
+use crate::progress::{Observer, Stage};
 use crate::scene::SceneError;
 use crate::surface::SurfaceError;
 use crate::trace::TraceError;
@@ -114,6 +115,18 @@ const fn each(name: &'static str, rows: fn(&Context, &Tracer) -> Result<Vec<Row>
 
 const fn once(name: &'static str, part: Part, rows: fn(&Context) -> Result<Vec<Row>, StabilityError>) -> Check {
     Check { name, part, rows: Rows::Once(rows) }
+}
+
+/// The rows of all families, in the order of the table; none where `observe` stops it.
+pub fn run(context: &Context, observe: &mut Observer) -> Option<Vec<Row>> {
+    let mut rows = Vec::new();
+    for (k, check) in CHECKS.iter().enumerate() {
+        if !observe(Stage { done: k as f64 / CHECKS.len() as f64, what: check.name }) {
+            return None;
+        }
+        rows.extend(check.run(context));
+    }
+    Some(rows)
 }
 
 impl Check {

@@ -144,10 +144,8 @@ fn height_map() -> Result<Model<f64>, StabilityError> {
 
 /// A dent as a mesh of triangles.
 fn mesh_dent() -> Result<Model<f64>, StabilityError> {
-    let folder = tempfile::tempdir()?;
-    std::fs::write(folder.path().join("dent.obj"), dent_obj())?;
     let mut loaded = preset("dent-cap")?;
-    loaded.folder = folder.path().into();
+    loaded.files.insert("dent.obj", dent_obj().as_bytes());
     loaded.scene.touch.shape = Shape::Mesh { file: "dent.obj".into(), normals: Normals::Smooth };
     model(&loaded)
 }

@@ -1,8 +1,8 @@
 //! From a scene's touch to the shape of every interface.
 
 use super::{Cap, HeightField, Mesh, Profile, Relief, Surface};
-use crate::image_io::{Grid, read_grid as read_grid_file};
-use crate::scene::{Inner, LoadedScene, Normals, Shape, read_mesh, read_pressure_table};
+use crate::image_io::{Grid, grid_of};
+use crate::scene::{Inner, Input, LoadedScene, Normals, Shape, read_mesh, read_pressure_table};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -114,9 +114,8 @@ fn fit(loaded: &LoadedScene, relief: &impl Relief, share: &[f64]) -> Result<(), 
 
 fn mesh(loaded: &LoadedScene, file: &Path, normals: Normals) -> Result<Surface, SurfaceError> {
     let key = "touch.shape.file";
-    let path = loaded.folder.join(file);
-    let wrong = |message: String| SurfaceError::File { key: key.into(), file: path.clone(), message };
-    let read = read_mesh(&path).map_err(|e| wrong(e.to_string()))?;
+    let wrong = |message: String| SurfaceError::File { key: key.into(), file: loaded.files.resolve(file), message };
+    let read = open(loaded, file, key, read_mesh)?;
     let mesh = Mesh::build(&read.vertices, &read.triangles, normals == Normals::Smooth)
         .ok_or_else(|| wrong("no usable triangle".into()))?;
     let scene = &loaded.scene;
@@ -136,22 +135,24 @@ fn mesh(loaded: &LoadedScene, file: &Path, normals: Normals) -> Result<Surface, 
 
 /// A grid file of the scene with row 0 at negative y (files have it at positive y).
 pub(super) fn read_grid(loaded: &LoadedScene, file: &Path, key: &'static str) -> Result<Grid, SurfaceError> {
-    let path = loaded.folder.join(file);
-    let mut grid = read_grid_file(&path).map_err(|e| SurfaceError::File {
-        key: key.into(),
-        file: path,
-        message: e.to_string(),
-    })?;
+    let mut grid = open(loaded, file, key, |input| grid_of(&input.path, &input.bytes))?;
     let columns = grid.columns.max(1) as usize;
     grid.values = grid.values.chunks(columns).rev().flatten().copied().collect();
     Ok(grid)
 }
 
 pub(super) fn read_table(loaded: &LoadedScene, file: &Path) -> Result<Vec<[f64; 2]>, SurfaceError> {
-    let path = loaded.folder.join(file);
-    read_pressure_table(&path).map_err(|e| SurfaceError::File {
-        key: "touch.contact.pressure.file".into(),
-        file: path,
-        message: e.to_string(),
-    })
+    open(loaded, file, "touch.contact.pressure.file", read_pressure_table)
+}
+
+/// What a reader makes of a file that the scene names at `key`.
+fn open<T, E: std::fmt::Display>(
+    loaded: &LoadedScene,
+    file: &Path,
+    key: &str,
+    read: impl FnOnce(&Input) -> Result<T, E>,
+) -> Result<T, SurfaceError> {
+    let wrong = |message: String| SurfaceError::File { key: key.into(), file: loaded.files.resolve(file), message };
+    let input = loaded.files.open(file).map_err(|error| wrong(error.to_string()))?;
+    read(&input).map_err(|error| wrong(error.to_string()))
 }

@@ -34,6 +34,24 @@ pub struct Gain {
     pub same_image: bool,
 }
 
+/// Samples a pixel and most pixels along a side of the images that gains are measured on.
+const SMALL: (u32, u32) = (64, 192);
+
+/// A model and settings for small images of the same scene: gains are to be measured in seconds.
+pub fn small(model: &Model<f64>, settings: &Settings) -> (Model<f64>, Settings) {
+    let (spp, most) = SMALL;
+    let mut model = model.clone();
+    let camera = &mut model.camera;
+    let shrink = camera.size[0].max(camera.size[1]).div_ceil(most);
+    camera.size = camera.size.map(|pixels| (pixels / shrink).max(1));
+    camera.pixel_tan *= f64::from(shrink);
+    // No more photons than paths: the fewest that an image has by itself are for its quality, and would hide its paths
+    // here.
+    let paths = u64::from(camera.size[0]) * u64::from(camera.size[1]) * u64::from(spp);
+    let photons = Some(settings.photons.unwrap_or(paths).min(paths));
+    (model, Settings { spp, photons, ..settings.clone() })
+}
+
 /// Whether two images are of the same light.
 fn agree(plain: &Film, film: &Film) -> bool {
     film.mean == plain.mean || compare(plain, film, LEVEL).is_ok_and(|comparison| comparison.passed)

@@ -162,13 +162,14 @@ fn one(
             cosine_power(-(2f64.ln()) / half_power_deg.to_radians().cos().ln(), cos_cutoff)
         }
         Pattern::Ies { file } => {
-            let path = loaded.resolve(file);
+            let path = loaded.files.resolve(file);
             let wrong = |key: &str, message: String| SurfaceError::File {
                 key: format!("led[{k}].{key}"),
                 file: path.clone(),
                 message,
             };
-            let read = read_ies(&path).map_err(|e| wrong("pattern.file", e.to_string()))?;
+            let read = loaded.files.open(file).and_then(|input| read_ies(&input));
+            let read = read.map_err(|error| wrong("pattern.file", error.to_string()))?;
             table = Some(tables.len());
             let lamp = tabulate(&read, cos_cutoff)
                 .ok_or_else(|| wrong("pattern.file", "emits nothing inside the cut-off cone".into()))?;

@@ -123,6 +123,11 @@ fn an_indenter_is_pressed_and_inspected_and_guides_no_light() {
     let output = tirtouch_in(place.path(), &["press", "scene.toml", "-o", "out", "--json", "--quiet"]);
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
     assert!(json(&output)["mechanics"]["force_n"].as_f64().unwrap() > 0.0);
+    // As sha256sum says it.
+    let sha256 = "e92f5fdf954757800d88f2f0b40a63e4f7cfb458936c14a4654eef656a66251e";
+    assert_eq!(json(&output)["inputs"]["ball.csv"], sha256);
+    let page = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
+    assert!(page.contains("ball.csv") && page.contains(sha256));
     let seen = json(&tirtouch_in(place.path(), &["inspect", "scene.toml", "--json"]));
     assert!(seen["press"]["dofs"].as_u64().unwrap() > 0 && seen["light"]["undefined"].is_string(), "{seen}");
     let said = tirtouch_in(place.path(), &["inspect", "scene.toml"]);

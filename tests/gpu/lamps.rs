@@ -17,11 +17,10 @@ const WORK: Work = Work { spp: 4, photons: 1 << 14 };
 /// tracer's table is read at 5.07 degrees, so that all these lamps are one.
 fn lamps(axis_candela: &str) -> LoadedScene {
     let mut loaded = Case::preset("contact-disc").loaded;
-    loaded.folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
     loaded.scene.camera.pixels = [24, 18];
     let file = PathBuf::from(format!("axis-{axis_candela}.ies"));
     let text = format!("TILT=NONE\n1 -1 1 4 1 1 2 0 0 0\n1 1 0\n0 5 45 90\n0\n{axis_candela} 100 60 0\n");
-    std::fs::write(loaded.folder.join(&file), text).unwrap();
+    loaded.files.insert(&file, text.as_bytes());
     for led in &mut loaded.scene.led {
         led.pattern = Pattern::Ies { file: file.clone() };
         (led.power_mw, led.radiance_w_per_m2_sr) = (Some(5.0), None);

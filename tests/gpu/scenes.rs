@@ -1,10 +1,11 @@
 //! The scenes of the tests: every preset, and variants for the pieces of the kernels that no preset needs.
 
-use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{LazyLock, Mutex, Once};
+use std::sync::{LazyLock, Mutex};
 use tirtouch::pipeline::{Order, Session, model_of};
-use tirtouch::scene::{self, Inner, Lens, LoadedScene, Normals, PRESETS, Pattern, Press, Roughness, Shape, Walls};
+use tirtouch::scene::{
+    self, Inner, Inputs, Lens, LoadedScene, Normals, PRESETS, Pattern, Press, Roughness, Shape, Walls,
+};
 use tirtouch::trace::{Devices, Model, Precision};
 
 /// A scene by name.
@@ -25,7 +26,7 @@ impl Case {
 
     fn variant(name: &str, preset: &str, change: impl FnOnce(&mut scene::Scene)) -> Self {
         let mut case = Self { name: name.into(), ..Self::preset(preset) };
-        case.loaded.folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+        case.loaded.files = FILES.clone();
         change(&mut case.loaded.scene);
         case
     }
@@ -87,7 +88,6 @@ pub fn presets() -> Vec<Case> {
 /// deformed face and on a mesh, a press.
 pub fn variants() -> Vec<Case> {
     let dent = Shape::GaussianDent { depth_mm: 1.0, sigma_mm: 1.5, center_mm: [0.5, -1.0] };
-    write_files();
     vec![
         Case::variant("gaussian-dent", "dent-cap", |s| {
             s.touch.shape = dent.clone();
@@ -140,15 +140,14 @@ pub fn variants() -> Vec<Case> {
     ]
 }
 
-/// The files of the variants, once: tests run at the same time, and one must not read what another is writing.
-fn write_files() {
-    static WRITTEN: Once = Once::new();
-    WRITTEN.call_once(|| {
-        for (name, text) in [("dent.csv", dent_csv()), ("dent.obj", dent_obj()), ("led.ies", LED_IES.into())] {
-            std::fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join(name), text).unwrap();
-        }
-    });
-}
+/// The files of the variants.
+static FILES: LazyLock<Inputs> = LazyLock::new(|| {
+    let mut files = Inputs::default();
+    for (name, text) in [("dent.csv", dent_csv()), ("dent.obj", dent_obj()), ("led.ies", LED_IES.into())] {
+        files.insert(name, text.as_bytes());
+    }
+    files
+});
 
 /// A dent that is not round: 97 x 65 heights over 30 x 30 mm.
 fn dent_csv() -> String {

@@ -2,8 +2,7 @@
 
 use crate::bench::{self, close};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::io::Write as _;
-use tirtouch::scene::{LoadedScene, Pattern, read_ies};
+use tirtouch::scene::{Input, LoadedScene, Pattern, read_ies};
 use tirtouch::trace::cpu::{End, Path};
 use tirtouch::trace::model::Real;
 
@@ -125,7 +124,7 @@ fn power_and_radiance_agree() {
 }
 
 /// A lamp brighter towards one side, dark at 90 degrees: cos^2 (1 + 0.5 sin cos phi), every 2.5 and 7.5 degrees.
-fn lamp_file(folder: &std::path::Path) -> std::path::PathBuf {
+fn lamp_file() -> String {
     let vertical: Vec<f64> = (0..=36).map(|k| 2.5 * f64::from(k)).collect();
     let horizontal: Vec<f64> = (0..=48).map(|k| 7.5 * f64::from(k)).collect();
     let words = |values: &[f64]| values.iter().map(|v| format!("{v:.6}")).collect::<Vec<_>>().join("\n");
@@ -144,17 +143,15 @@ fn lamp_file(folder: &std::path::Path) -> std::path::PathBuf {
         text += &words(&vertical.iter().map(value).collect::<Vec<_>>());
         text.push('\n');
     }
-    let file = folder.join("lamp.ies");
-    std::fs::File::create(&file).unwrap().write_all(text.as_bytes()).unwrap();
-    file
+    text
 }
 
 #[test]
 fn a_tabulated_lamp_launches_what_its_table_says_and_is_seen_as_bright() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = lamp_file(folder.path());
+    let file = Input::new("lamp.ies", lamp_file().as_bytes());
     let table = read_ies(&file).unwrap();
-    let mut loaded = lamp(Pattern::Ies { file }, None);
+    let mut loaded = lamp(Pattern::Ies { file: file.path.clone() }, None);
+    loaded.files.insert(file.path, file.bytes);
     loaded.scene.led[0].radiance_w_per_m2_sr = None;
     loaded.scene.led[0].power_mw = Some(2.0);
     let model = bench::model(&loaded);

@@ -79,6 +79,7 @@ impl Reading {
         let positions: Vec<f64> = source.frames.as_slice().iter().map(|frame| frame.position_mm).collect();
         json!({
             "scene": source.name,
+            "inputs": source.inputs,
             "source": if source.computed.is_some() { "computed" } else { "measured" },
             "reference": source.reference_name(),
             "positions_mm": positions,

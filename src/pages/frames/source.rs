@@ -3,10 +3,13 @@
 use crate::mechanics::frames::scan::{ScanSetup, Scanned};
 use crate::mechanics::frames::{Features, Frames, FramesError, Reference, Settings, features};
 use crate::pages::PageError;
-use crate::pages::facts::figure;
+use crate::pages::facts::{figure, scene_rows, version};
 use crate::pipeline::Truth;
 use crate::report::{Values, Vtu, VtuError};
+use crate::scene::LoadedScan;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// Frames and where they come from.
 pub struct Source {
@@ -17,6 +20,8 @@ pub struct Source {
     /// The scene's text; none of measured frames.
     pub scene_text: Option<String>,
     pub truth: Truth,
+    /// SHA-256 of each file that the scene names.
+    pub inputs: BTreeMap<PathBuf, String>,
     /// What goes to the end of the report: name and value.
     pub provenance: Vec<(String, String)>,
 }
@@ -30,6 +35,38 @@ pub struct Computed {
 }
 
 impl Source {
+    /// Frames of a file.
+    pub fn measured(name: String, frames: Frames, file: &Path) -> Self {
+        Self {
+            name,
+            description: format!("Measured pressure frames of {}.", file.display()),
+            frames,
+            computed: None,
+            scene_text: None,
+            truth: Truth::unknown("the frames are measured"),
+            inputs: BTreeMap::new(),
+            provenance: vec![("measured frames".to_owned(), file.display().to_string()), version()],
+        }
+    }
+
+    /// Frames of a scan that was computed.
+    pub fn computed(loaded: LoadedScan, truth: Truth, setup: ScanSetup, scanned: Scanned) -> Self {
+        let has_middle = loaded.scene.phantom.inclusion.iter().any(|one| one.center_mm[0] == 0.0);
+        let inputs = loaded.inputs();
+        let mut provenance = scene_rows(&loaded.scene.name, &loaded.sha256, &inputs);
+        provenance.push(version());
+        Self {
+            name: loaded.scene.name,
+            description: loaded.scene.description,
+            frames: scanned.frames.clone(),
+            computed: Some(Computed { setup, scanned, has_middle }),
+            scene_text: Some(loaded.text),
+            truth,
+            inputs,
+            provenance,
+        }
+    }
+
     /// Features of all frames.
     pub fn features(&self, window_mm: Option<f64>, noise_kpa: f64) -> Result<Vec<Features>, FramesError> {
         let settings = Settings { window_mm, contact_above_kpa: noise_kpa, ..Settings::default() };

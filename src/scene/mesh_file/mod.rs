@@ -9,8 +9,8 @@ mod obj;
 mod ply;
 mod stl;
 
-use super::data_file::{DataFileError, Defect, read_limited};
-use std::path::Path;
+use super::data_file::{DataFileError, Defect};
+use super::inputs::Input;
 
 /// Largest file, bytes.
 const MAX_BYTES: u64 = 256 << 20;
@@ -64,8 +64,9 @@ impl TriangleMesh {
 /// STL file become one.
 ///
 /// # Errors
-/// When the file cannot be read, breaks its format or a limit, or holds no triangle.
-pub fn read_mesh(path: &Path) -> Result<TriangleMesh, DataFileError> {
+/// When the file breaks its format or a limit, or holds no triangle.
+pub fn read_mesh(input: &Input) -> Result<TriangleMesh, DataFileError> {
+    let path = &input.path;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let parse = match extension.as_str() {
         "obj" => obj::parse,
@@ -73,7 +74,7 @@ pub fn read_mesh(path: &Path) -> Result<TriangleMesh, DataFileError> {
         "ply" => ply::parse,
         _ => return Err(Defect::new(None, "must be a mesh in .obj, .stl or .ply").in_file(path)),
     };
-    let mesh = parse(&read_limited(path, MAX_BYTES)?).and_then(checked);
+    let mesh = parse(input.at_most(MAX_BYTES)?).and_then(checked);
     mesh.map_err(|defect| defect.in_file(path))
 }
 

@@ -46,7 +46,7 @@ impl ScanSetup {
     /// When a file cannot be read.
     pub fn from_scene(loaded: &LoadedScan) -> Result<Self, ScanError> {
         let (phantom, scan) = (&loaded.scene.phantom, &loaded.scene.scan);
-        let inclusions = phantom.inclusion.iter().map(|one| from_scene::inclusion_shape(one, &loaded.folder));
+        let inclusions = phantom.inclusion.iter().map(|one| from_scene::inclusion_shape(one, &loaded.files));
         let half = scan.frame_half_width_mm;
         let reach = scan.positions_mm.from.abs().max(scan.positions_mm.to.abs()) + half;
         let steps = f64::from(scan.frame_points.saturating_sub(1).max(1));
@@ -61,7 +61,7 @@ impl ScanSetup {
                 layers_mm: phantom.layer.iter().map(|layer| layer.thickness_mm).collect(),
             },
             materials: from_scene::materials(phantom)?,
-            indenter: from_scene::profile(&scan.indenter, &loaded.folder)?,
+            indenter: from_scene::profile(&scan.indenter, &loaded.files)?,
             grip: from_scene::grip(scan.interface),
             depth_mm: scan.depth_mm,
             positions_mm: scan.positions_mm.all_mm(),
