@@ -23,7 +23,7 @@ use tirtouch::mechanics::material::Material;
 use tirtouch::mechanics::mesh::{
     Boundary, Footprint, InclusionShape, Mesh, PhantomMesh, PhantomShape, Resolution, Star,
 };
-use tirtouch::mechanics::newton::{Method, Solver};
+use tirtouch::mechanics::newton::{LinearSolver, Solver};
 use tirtouch::mechanics::path::follow;
 use tirtouch::mechanics::press::{
     Assembly, ContactPoint, Load, PressSettings, SensorBody, Setup, contact_points, press,
@@ -253,7 +253,7 @@ fn hertz(rung: usize, nu: f64) -> Result<(Mesh, Value)> {
         contacts: vec![contact],
         ..Problem::free(kinematics, mesh, vec![material])
     };
-    let mut solver = Solver::new(&problem, Method::Direct);
+    let mut solver = Solver::new(&problem, LinearSolver::Direct);
     let state = follow(&mut solver, problem.start(), &mut None, &[1.0], &mut |_| true)?;
     let iterations = solver.iterations;
     drop(solver);

@@ -11,7 +11,7 @@ use anyhow::{Context as _, Result};
 use clap::{Parser, ValueEnum};
 use std::path::PathBuf;
 use tirtouch::mechanics::from_scene::press_setup;
-use tirtouch::mechanics::newton::Method;
+use tirtouch::mechanics::newton::LinearSolver;
 use tirtouch::mechanics::press::{Load, PressSettings, PressStep, Pressed, press};
 use tirtouch::scene::{Dimensions, LoadedScene, load, preset};
 
@@ -99,8 +99,8 @@ fn main() -> Result<()> {
         setup.load = Load::Depths(vec![depth]);
     }
     let method = arguments.method.map(|how| match how {
-        How::Direct => Method::Direct,
-        How::Multigrid => Method::Multigrid,
+        How::Direct => LinearSolver::Direct,
+        How::Multigrid => LinearSolver::Multigrid,
     });
     let pressed = press(&setup, PressSettings { estimate_error: false, method }, &mut |stage| {
         eprintln!("{:.3}", stage.done);

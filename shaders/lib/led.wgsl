@@ -1,13 +1,13 @@
 // LEDs: discs at the side walls, read through functions that the host writes, as for layers and interfaces:
-//   lamp_wall         as `path.wall`
-//   lamp_air          1: in the surround before a clear wall, at a distance of lamp_gap; 0: bonded
-//   lamp_along        centre along y on the x walls and along x on the y walls; lamp_height, lamp_radius
-//   lamp_radiance     on the axis, or the largest of its table, relative to the film's unit
-//   lamp_exponent     intensity goes as its power of the cosine, up to lamp_cos_cutoff
-//   lamp_launch       1 - cos_cutoff^(exponent + 1)
-//   lamp_table        first entry of its intensity table, or NO_TABLE
-//   lamp_picked       the LED for a number in [0, 1), by shares of the power; lamp_picked_aimed, by those of aimed photons
-//   lamp_aim_low, lamp_aim_high    sines between which aimed photons leave it, seen from above
+//   led_wall         as `path.wall`
+//   led_air          1: in the surround before a clear wall, at a distance of led_gap; 0: bonded
+//   led_along        centre along y on the x walls and along x on the y walls; led_height, led_radius
+//   led_radiance     on the axis, or the largest of its table, relative to the film's unit
+//   led_exponent     intensity goes as its power of the cosine, up to led_cos_cutoff
+//   led_launch       1 - cos_cutoff^(exponent + 1)
+//   led_table        first entry of its intensity table, or NO_TABLE
+//   led_picked       the LED for a number in [0, 1), by shares of the power; led_picked_aimed, by those of aimed photons
+//   led_aim_low, led_aim_high    sines between which aimed photons leave it, seen from above
 
 override LED_TABLES: bool = false;
 override COSINE_POWER: bool = false;
@@ -27,8 +27,8 @@ fn wall_led() -> u32 {
     var found = scene.led_count;
     let at = vec2f(along_of(path.wall, path.o), path.o.z);
     for (var k = 0u; k < scene.led_count; k += 1u) {
-        let d = at - vec2f(lamp_along(k), lamp_height(k));
-        let here = lamp_wall(k) == path.wall && lamp_air(k) == 0u && dot(d, d) <= lamp_radius(k) * lamp_radius(k);
+        let d = at - vec2f(led_along(k), led_height(k));
+        let here = led_wall(k) == path.wall && led_air(k) == 0u && dot(d, d) <= led_radius(k) * led_radius(k);
         found = select(found, k, here && found == scene.led_count);
     }
     return found;
@@ -38,18 +38,18 @@ fn wall_led() -> u32 {
 fn table_cell(k: u32, sin_sq: f32, phi: f32) -> u32 {
     let turn = fract(phi / TAU + 1.0);
     let row = min(u32(sin_sq * f32(TABLE_EDGE)), TABLE_EDGE - 1u);
-    return lamp_table(k) + row * TABLE_EDGE + min(u32(turn * f32(TABLE_EDGE)), TABLE_EDGE - 1u);
+    return led_table(k) + row * TABLE_EDGE + min(u32(turn * f32(TABLE_EDGE)), TABLE_EDGE - 1u);
 }
 
 // Radiance of LED k against a path that meets its face with the outward cosine c.
-fn led_radiance(k: u32, c: f32, v: vec3f) -> f32 {
-    if (c <= lamp_cos_cutoff(k)) { return 0.0; }
-    if (LED_TABLES && lamp_table(k) != NO_TABLE) {
-        let phi = atan2(-along_of(lamp_wall(k), v), -v.z);
-        return lamp_radiance(k) * led_tables[table_cell(k, 1.0 - c * c, phi)].x;
+fn led_radiance_along(k: u32, c: f32, v: vec3f) -> f32 {
+    if (c <= led_cos_cutoff(k)) { return 0.0; }
+    if (LED_TABLES && led_table(k) != NO_TABLE) {
+        let phi = atan2(-along_of(led_wall(k), v), -v.z);
+        return led_radiance(k) * led_tables[table_cell(k, 1.0 - c * c, phi)].x;
     }
-    if (COSINE_POWER && lamp_exponent(k) != 1.0) { return lamp_radiance(k) * pow(c, lamp_exponent(k) - 1.0); }
-    return lamp_radiance(k);
+    if (COSINE_POWER && led_exponent(k) != 1.0) { return led_radiance(k) * pow(c, led_exponent(k) - 1.0); }
+    return led_radiance(k);
 }
 
 // Radiance over n^2 that a camera path ended with (at a wall or beyond it) finds.
@@ -59,18 +59,18 @@ fn light_at_end(end: u32) -> f32 {
         if (k == scene.led_count) { return 0.0; }
         let n = layer_n(path.layer);
         record(EVENT_LED + k, 1.0);
-        return led_radiance(k, dot(path.p, wall_axis(path.wall)) / n, path.p / n) / (n * n);
+        return led_radiance_along(k, dot(path.p, wall_axis(path.wall)) / n, path.p / n) / (n * n);
     }
     if (end != END_SIDES) { return 0.0; }
     let n = scene.surround_n;
     for (var k = 0u; k < scene.led_count; k += 1u) {
-        if (lamp_wall(k) != path.wall || lamp_air(k) == 0u) { continue; }
+        if (led_wall(k) != path.wall || led_air(k) == 0u) { continue; }
         let q = dot(path.p, wall_axis(path.wall));
-        let at = path.o + path.p * (lamp_gap(k) / q);
-        let d = vec2f(along_of(path.wall, at) - lamp_along(k), at.z - lamp_height(k));
-        if (dot(d, d) <= lamp_radius(k) * lamp_radius(k)) {
+        let at = path.o + path.p * (led_gap(k) / q);
+        let d = vec2f(along_of(path.wall, at) - led_along(k), at.z - led_height(k));
+        if (dot(d, d) <= led_radius(k) * led_radius(k)) {
             record(EVENT_LED + k, 1.0);
-            return led_radiance(k, q / n, path.p / n) / (n * n);
+            return led_radiance_along(k, q / n, path.p / n) / (n * n);
         }
     }
     return 0.0;
@@ -80,21 +80,21 @@ fn light_at_end(end: u32) -> f32 {
 fn led_direction(k: u32) -> vec2f {
     let u = even_draw(LATTICE_POLAR, run.shift_polar);
     let v = even_draw(LATTICE_AZIMUTH, run.shift_azimuth);
-    if (LED_TABLES && lamp_table(k) != NO_TABLE) {
+    if (LED_TABLES && led_table(k) != NO_TABLE) {
         var low = 0u;
         var high = TABLE_EDGE * TABLE_EDGE - 1u;
         loop {
             if (low >= high) { break; }
             let mid = (low + high) / 2u;
-            if (led_tables[lamp_table(k) + mid].y > u) { high = mid; } else { low = mid + 1u; }
+            if (led_tables[led_table(k) + mid].y > u) { high = mid; } else { low = mid + 1u; }
         }
         let e = f32(TABLE_EDGE);
         let sin_sq = (f32(low / TABLE_EDGE) + v) / e;
         return vec2f(sin_sq, TAU * (f32(low % TABLE_EDGE) + draw()) / e);
     }
     // cos^m: 1 - cos^(m+1) is uniform up to the cut-off.
-    let x = 1.0 - u * lamp_launch(k);
-    let m = lamp_exponent(k);
+    let x = 1.0 - u * led_launch(k);
+    let m = led_exponent(k);
     var cos_sq = x;
     if (COSINE_POWER && m != 1.0) { cos_sq = pow(x, 2.0 / (m + 1.0)); }
     return vec2f(1.0 - cos_sq, TAU * v);
@@ -103,14 +103,14 @@ fn led_direction(k: u32) -> vec2f {
 // Starts a photon at an LED. GOES_ON, or how it ended before it entered the stack.
 fn launch() -> u32 {
     let pick = even_draw(LATTICE_LED, run.shift_led);
-    var k = lamp_picked(pick);
-    if (AIMED) { k = lamp_picked_aimed(pick); }
-    let r = lamp_radius(k) * sqrt(even_draw(LATTICE_RADIUS, run.shift_radius));
+    var k = led_picked(pick);
+    if (AIMED) { k = led_picked_aimed(pick); }
+    let r = led_radius(k) * sqrt(even_draw(LATTICE_RADIUS, run.shift_radius));
     let turn = TAU * even_draw(LATTICE_TURN, run.shift_turn);
-    let along = lamp_along(k) + r * cos(turn);
-    let z = lamp_height(k) + r * sin(turn);
+    let along = led_along(k) + r * cos(turn);
+    let z = led_height(k) + r * sin(turn);
     let direction = led_direction(k);
-    let wall = lamp_wall(k);
+    let wall = led_wall(k);
     let out = wall_axis(wall);
     let tangent = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), wall < 2u);
     let s = sqrt(direction.x);
@@ -122,7 +122,7 @@ fn launch() -> u32 {
         // tissue is.
         let level_sq = max(1.0 - up * up, 0.0);
         let level = sqrt(level_sq);
-        aside = lamp_aim_low(k) * level + 0.5 * (lamp_aim_high(k) - lamp_aim_low(k)) * (aside + level);
+        aside = led_aim_low(k) * level + 0.5 * (led_aim_high(k) - led_aim_low(k)) * (aside + level);
         inward_sq = level_sq - aside * aside;
     }
     let d = aside * tangent + vec3f(0.0, 0.0, up) - sqrt(max(inward_sq, 0.0)) * out;
@@ -133,16 +133,16 @@ fn launch() -> u32 {
     let face = select(scene.half_size.y, scene.half_size.x, wall < 2u);
     path.o = face * out + along * tangent + vec3f(0.0, 0.0, z);
     record(EVENT_LED + k, 1.0);
-    if (lamp_air(k) == 1u) {
+    if (led_air(k) == 1u) {
         path.p = scene.surround_n * d;
-        path.o -= d * (lamp_gap(k) / dot(d, out));
+        path.o -= d * (led_gap(k) / dot(d, out));
         // To the wall's plane; a ray that misses the wall is lost beside it.
         path.o = select(path.o, face * out, abs(out) > vec3f(0.5));
         let width = select(scene.half_size.x, scene.half_size.y, wall < 2u);
         if (abs(along_of(wall, path.o)) >= width || path.o.z <= 0.0 || path.o.z >= face_z(scene.layer_count)) { return END_SIDES; }
     }
     path.layer = layer_at(path.o);
-    if (lamp_air(k) == 0u) {
+    if (led_air(k) == 0u) {
         path.p = layer_n(path.layer) * d;
         return GOES_ON;
     }

@@ -175,7 +175,7 @@ plain! {
     CompareError => input,
     ExposureError => input,
     ProjectionError => input,
-    crate::estimate::ImageError => input,
+    crate::estimate::GreyImageError => input,
     PictureError => failed,
     VtuError => failed,
 }

@@ -15,7 +15,7 @@ pub struct GreyImage {
 
 /// Why there is no image to estimate from.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ImageError {
+pub enum GreyImageError {
     /// Width times height is not the number of values, or there are none.
     #[error("an image of {width} x {height} pixels cannot have {values} values")]
     Size {
@@ -67,12 +67,12 @@ impl GreyImage {
     ///
     /// # Errors
     /// Where the size does not fit or a value is not finite.
-    pub fn new(width: usize, height: usize, grey: &[f64], top_grey: Option<f64>) -> Result<Self, ImageError> {
+    pub fn new(width: usize, height: usize, grey: &[f64], top_grey: Option<f64>) -> Result<Self, GreyImageError> {
         if grey.is_empty() || width.checked_mul(height) != Some(grey.len()) {
-            return Err(ImageError::Size { width, height, values: grey.len() });
+            return Err(GreyImageError::Size { width, height, values: grey.len() });
         }
         if let Some((i, &value)) = grey.iter().enumerate().find(|(_, v)| !v.is_finite()) {
-            return Err(ImageError::NotFinite { column: i % width, row: i / width, value });
+            return Err(GreyImageError::NotFinite { column: i % width, row: i / width, value });
         }
         let saturated_pixels = top_grey.map_or(0, |top| grey.iter().filter(|&&v| v >= top).count());
         Ok(Self { width, height, grey: grey.to_vec(), top_grey, saturated_pixels })
@@ -82,7 +82,7 @@ impl GreyImage {
     ///
     /// # Errors
     /// Where the frame's size does not fit its values.
-    pub fn from_frame(frame: &Frame) -> Result<Self, ImageError> {
+    pub fn from_frame(frame: &Frame) -> Result<Self, GreyImageError> {
         let grey: Vec<f64> = frame.grey.iter().copied().map(f64::from).collect();
         Self::new(frame.width as usize, frame.height as usize, &grey, Some(f64::from(frame.top_grey())))
     }
@@ -94,9 +94,9 @@ impl GreyImage {
     ///
     /// # Errors
     /// Where the sizes or the top grey levels differ.
-    pub fn minus(&self, reference: &GreyImage) -> Result<Self, ImageError> {
+    pub fn minus(&self, reference: &GreyImage) -> Result<Self, GreyImageError> {
         if (self.width, self.height) != (reference.width, reference.height) {
-            return Err(ImageError::ReferenceSize {
+            return Err(GreyImageError::ReferenceSize {
                 width: self.width,
                 height: self.height,
                 reference_width: reference.width,
@@ -104,7 +104,7 @@ impl GreyImage {
             });
         }
         if self.top_grey != reference.top_grey {
-            return Err(ImageError::ReferenceDepth { image: self.top_grey, reference: reference.top_grey });
+            return Err(GreyImageError::ReferenceDepth { image: self.top_grey, reference: reference.top_grey });
         }
         let grey = self.grey.iter().zip(&reference.grey).map(|(a, b)| a - b).collect();
         Ok(Self { grey, ..*self })
@@ -190,20 +190,20 @@ mod tests {
     fn a_reference_of_another_depth_is_refused() {
         let image = |top| GreyImage::new(1, 1, &[1.0], top).unwrap();
         let refused = image(Some(255.0)).minus(&image(Some(65535.0))).unwrap_err();
-        assert_eq!(refused, ImageError::ReferenceDepth { image: Some(255.0), reference: Some(65535.0) });
+        assert_eq!(refused, GreyImageError::ReferenceDepth { image: Some(255.0), reference: Some(65535.0) });
         assert!(image(Some(255.0)).minus(&image(None)).is_err(), "grey levels less radiances");
         assert!(image(None).minus(&image(None)).is_ok());
     }
 
     #[test]
     fn wrong_sizes_and_values_are_typed_errors() {
-        assert!(matches!(GreyImage::new(0, 0, &[], None), Err(ImageError::Size { .. })));
-        assert!(matches!(GreyImage::new(2, 2, &[0.0; 3], None), Err(ImageError::Size { .. })));
-        assert!(matches!(GreyImage::new(usize::MAX, 2, &[0.0; 3], None), Err(ImageError::Size { .. })));
+        assert!(matches!(GreyImage::new(0, 0, &[], None), Err(GreyImageError::Size { .. })));
+        assert!(matches!(GreyImage::new(2, 2, &[0.0; 3], None), Err(GreyImageError::Size { .. })));
+        assert!(matches!(GreyImage::new(usize::MAX, 2, &[0.0; 3], None), Err(GreyImageError::Size { .. })));
         let nan = GreyImage::new(2, 1, &[0.0, f64::NAN], None);
-        assert!(matches!(nan, Err(ImageError::NotFinite { column: 1, row: 0, .. })));
+        assert!(matches!(nan, Err(GreyImageError::NotFinite { column: 1, row: 0, .. })));
         let a = GreyImage::new(2, 1, &[0.0, 1.0], None).unwrap();
         let b = GreyImage::new(1, 2, &[0.0, 1.0], None).unwrap();
-        assert!(matches!(a.minus(&b), Err(ImageError::ReferenceSize { .. })));
+        assert!(matches!(a.minus(&b), Err(GreyImageError::ReferenceSize { .. })));
     }
 }

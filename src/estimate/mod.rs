@@ -16,7 +16,7 @@ pub mod value;
 
 pub use calibration::{Calibration, CalibrationError};
 pub use exposed::Exposed;
-pub use image::{GreyImage, ImageError};
+pub use image::{GreyImage, GreyImageError};
 pub use paper::{PaperEstimate, Settings, estimate, measure};
 pub use spread::Subtracted;
 pub use stiffness::{Stiffness, stiffness};

@@ -13,7 +13,7 @@ const LUMA: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// A grey image, row 0 at the top.
 #[derive(Debug, Clone, PartialEq)]
-pub struct GreyImage {
+pub struct GreyFile {
     /// Columns.
     pub width: u32,
     /// Rows.
@@ -26,7 +26,7 @@ pub struct GreyImage {
     pub linear: bool,
 }
 
-impl GreyImage {
+impl GreyFile {
     /// The same image of a camera of `bits` bits, whose levels lie in a file of more: levels then end at 2^bits - 1.
     /// An EXR, which has no grey levels, stays as it is.
     ///
@@ -61,7 +61,7 @@ impl GreyImage {
 ///
 /// # Errors
 /// When the file is missing, damaged, too large, of another format, or holds a value that is not finite.
-pub fn read_grey(path: &Path) -> Result<GreyImage, ImageError> {
+pub fn read_grey(path: &Path) -> Result<GreyFile, ImageError> {
     match is_exr(path) {
         true => with_exr(path, |file| {
             let names = ["mean", "Y"];
@@ -81,9 +81,9 @@ pub(super) fn has_extension(path: &Path, wanted: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
-pub(super) fn from_exr(path: &Path, [width, height]: [usize; 2], values: &[f32]) -> Result<GreyImage, ImageError> {
+pub(super) fn from_exr(path: &Path, [width, height]: [usize; 2], values: &[f32]) -> Result<GreyFile, ImageError> {
     check_values(path, width, values, "a finite number", f32::is_finite)?;
-    Ok(GreyImage {
+    Ok(GreyFile {
         width: width as u32,
         height: height as u32,
         values: values.iter().map(|&value| value.into()).collect(),
@@ -93,7 +93,7 @@ pub(super) fn from_exr(path: &Path, [width, height]: [usize; 2], values: &[f32])
 }
 
 /// The grey levels of a PNG or TIFF of 8 or 16 bits.
-pub(super) fn levels_of(path: &Path, bytes: &[u8]) -> Result<GreyImage, ImageError> {
+pub(super) fn levels_of(path: &Path, bytes: &[u8]) -> Result<GreyFile, ImageError> {
     let unsupported = |reason: String| ImageError::Unsupported { path: path.into(), reason };
     let damaged = |error: image::ImageError| match error {
         image::ImageError::Unsupported(kind) => unsupported(format!("{kind}; give 8 or 16 bits a sample")),
@@ -123,7 +123,7 @@ pub(super) fn levels_of(path: &Path, bytes: &[u8]) -> Result<GreyImage, ImageErr
         DynamicImage::ImageRgba16(colour) => (65535.0, levels(colour, 4)),
         _ => return Err(unsupported(FLOATING_POINT.into())),
     };
-    Ok(GreyImage { width, height, values, full_scale: Some(full_scale), linear: false })
+    Ok(GreyFile { width, height, values, full_scale: Some(full_scale), linear: false })
 }
 
 const FLOATING_POINT: &str = "has floating-point samples; give 8 or 16 bits a sample, or an EXR";

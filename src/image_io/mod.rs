@@ -16,7 +16,7 @@ mod radiance;
 mod tiff_pages;
 
 pub use error::ImageError;
-pub use grey::{GreyImage, read_grey};
+pub use grey::{GreyFile, read_grey};
 pub use grid::{Grid, grid_of};
 pub use picture::{write_png_grey, write_png_rgb};
 pub use radiance::{Provenance, read_radiance, write_radiance, write_radiance_as};

@@ -43,14 +43,14 @@ pub const GAUSS_3: [[f64; 2]; 3] =
 
 /// Values and local gradients of the shape functions at a local point.
 #[derive(Debug, Clone)]
-pub struct Shape {
+pub struct ShapeFunctions {
     /// Values.
     pub value: [f64; MAX_NODES],
     /// Gradients with respect to the local coordinates.
     pub gradient: [[f64; 3]; MAX_NODES],
 }
 
-impl Shape {
+impl ShapeFunctions {
     /// The 3^dim functions at a local point.
     pub fn at(dim: usize, xi: [f64; 3]) -> Self {
         let lines = [lagrange(xi[0]), lagrange(xi[1]), lagrange(xi[2])];
@@ -74,8 +74,8 @@ impl Shape {
 /// A quadrature point of the reference element.
 #[derive(Debug, Clone)]
 pub struct QuadraturePoint {
-    /// Shape functions there.
-    pub shape: Shape,
+    /// ShapeFunctions functions there.
+    pub shape: ShapeFunctions,
     /// Weight.
     pub weight: f64,
 }
@@ -96,7 +96,7 @@ fn gauss_points(dim: usize) -> Vec<QuadraturePoint> {
                 *coordinate = at;
                 weight *= w;
             }
-            QuadraturePoint { shape: Shape::at(dim, xi), weight }
+            QuadraturePoint { shape: ShapeFunctions::at(dim, xi), weight }
         })
         .collect()
 }

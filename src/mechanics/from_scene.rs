@@ -7,8 +7,9 @@ use super::material::{Law, Material, MaterialError, OgdenTerm, Prony};
 use super::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Resolution, Star};
 use super::press::{Cost, Load, Pose, PressError, SensorBody, Setup};
 use crate::scene::{
-    DataFileError, Dimensions, Elastic, Face, Inclusion, InclusionBody, Indenter, Inputs, Interface, LoadedScene,
-    Phantom, PhantomBody, Press, PressStep, PressedSensor, Stack, TriangleMesh, read_indenter_table, read_mesh,
+    DataFileError, Dimensions, Elastic, FaceOutline, Inclusion, InclusionBody, Indenter, Inputs, Interface,
+    LoadedScene, Phantom, PhantomBody, Press, PressStep, PressedSensor, Stack, TriangleMesh, read_indenter_table,
+    read_mesh,
 };
 use std::sync::Arc;
 
@@ -54,10 +55,10 @@ pub fn phantom_shape(body: &PhantomBody) -> PhantomShape {
 }
 
 /// The outline of the contact.
-pub fn footprint(face: &Face) -> Footprint {
+pub fn footprint(face: &FaceOutline) -> Footprint {
     match *face {
-        Face::Round { radius_mm } => Footprint::Round { radius_mm },
-        Face::Rectangle { half_widths_mm } => Footprint::Rectangle { half_widths_mm },
+        FaceOutline::Round { radius_mm } => Footprint::Round { radius_mm },
+        FaceOutline::Rectangle { half_widths_mm } => Footprint::Rectangle { half_widths_mm },
     }
 }
 
@@ -435,8 +436,8 @@ mod tests {
         assert_eq!(phantom_shape(&cylinder), PhantomShape::Cylinder { radius_mm: 30.0, height_mm: 25.0 });
         let block = PhantomBody::Block { size_mm: [60.0, 40.0], height_mm: 25.0 };
         assert_eq!(phantom_shape(&block), PhantomShape::Block { size_mm: [60.0, 40.0], height_mm: 25.0 });
-        assert_eq!(footprint(&Face::Round { radius_mm: 15.0 }), Footprint::Round { radius_mm: 15.0 });
+        assert_eq!(footprint(&FaceOutline::Round { radius_mm: 15.0 }), Footprint::Round { radius_mm: 15.0 });
         let half_widths_mm = [10.0, 20.0];
-        assert_eq!(footprint(&Face::Rectangle { half_widths_mm }), Footprint::Rectangle { half_widths_mm });
+        assert_eq!(footprint(&FaceOutline::Rectangle { half_widths_mm }), Footprint::Rectangle { half_widths_mm });
     }
 }

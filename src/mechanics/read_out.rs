@@ -4,7 +4,7 @@
 //! any displacement of supported nodes is therefore exact for the mesh, and sums of reactions converge twice as fast as
 //! stresses do. Relaxing materials are read by what they remember: a held state has the stresses of its history.
 
-use super::element::{GAUSS_3, Shape, quadrature};
+use super::element::{GAUSS_3, ShapeFunctions, quadrature};
 use super::kinematics::Kinematics;
 use super::material::{History, Tensor};
 use super::mesh::{Boundary, Facet, Mesh};
@@ -84,7 +84,7 @@ pub fn traction_forces(
         let mut sums = vec![[0.0; 3]; nodes.len()];
         for q in 0..3usize.pow(axes as u32) {
             let [first, second] = [GAUSS_3[q % 3], if axes == 2 { GAUSS_3[q / 3] } else { [0.0, 1.0] }];
-            let shape = Shape::at(axes, [first[0], second[0], 0.0]);
+            let shape = ShapeFunctions::at(axes, [first[0], second[0], 0.0]);
             let (position, area) = surface(&shape, &positions, middle, axes);
             let size = area.iter().map(|a| a * a).sum::<f64>().sqrt();
             let force = traction(position, area.map(|a| a / size));
@@ -99,7 +99,7 @@ pub fn traction_forces(
 }
 
 /// Position on a facet and its area vector, which points away from `inside`.
-fn surface(shape: &Shape, nodes: &[[f64; 3]], inside: [f64; 3], axes: usize) -> ([f64; 3], [f64; 3]) {
+fn surface(shape: &ShapeFunctions, nodes: &[[f64; 3]], inside: [f64; 3], axes: usize) -> ([f64; 3], [f64; 3]) {
     let mut position = [0.0; 3];
     let mut t = [[0.0; 3]; 2];
     for (a, node) in nodes.iter().enumerate() {

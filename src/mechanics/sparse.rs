@@ -44,7 +44,7 @@ pub enum SparseError {
 const LEAST_SHARED: usize = 5_000_000;
 
 /// A symmetric matrix of fixed pattern, its lower triangle by columns, and its Cholesky factor.
-pub struct SparseCholesky {
+pub struct SparseLdl {
     columns: Vec<u32>,
     rows: Vec<u32>,
     /// Entries of the lower triangle.
@@ -120,7 +120,7 @@ impl Coupled {
     }
 }
 
-impl SparseCholesky {
+impl SparseLdl {
     /// A matrix that couples the nodes of each group with one another. The unknowns of node `a` are `first[a]` up to
     /// `first[a + 1]`.
     ///
@@ -276,10 +276,10 @@ mod tests {
     use super::*;
 
     /// A chain of nodes with 2, 0, 1, 2, 2 unknowns; the elements couple neighbours, and the last with the first.
-    fn chain() -> (Vec<u32>, Vec<Vec<u32>>, SparseCholesky) {
+    fn chain() -> (Vec<u32>, Vec<Vec<u32>>, SparseLdl) {
         let first = vec![0, 2, 2, 3, 5, 7];
         let groups = vec![vec![1, 0], vec![2, 1], vec![3, 2], vec![3, 4], vec![4, 0]];
-        let matrix = SparseCholesky::new(first.clone(), &[[0.0; 3]; 5], &groups).unwrap();
+        let matrix = SparseLdl::new(first.clone(), &[[0.0; 3]; 5], &groups).unwrap();
         (first, groups, matrix)
     }
 
@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn a_factor_beyond_the_limit_is_refused_by_its_size() {
-        let error = SparseCholesky::within(1e-7, vec![0, 3, 6], &[[0.0; 3]; 2], &[vec![0, 1]]).err();
+        let error = SparseLdl::within(1e-7, vec![0, 3, 6], &[[0.0; 3]; 2], &[vec![0, 1]]).err();
         assert!(matches!(error, Some(SparseError::Memory { unknowns: 6, .. })), "{error:?}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::camera::ProjectionError;
 use crate::camera::exposure::ExposureError;
-use crate::estimate::ImageError;
+use crate::estimate::GreyImageError;
 use crate::mechanics::press::PressError;
 use crate::surface::SurfaceError;
 use crate::trace::TraceError;
@@ -23,7 +23,7 @@ pub enum PipelineError {
     #[error(transparent)]
     Projection(#[from] ProjectionError),
     #[error(transparent)]
-    Image(#[from] ImageError),
+    Image(#[from] GreyImageError),
     /// An indenter presses in the sensor's place: there is no light.
     #[error("press.indenter: an indenter guides no light; `tirtouch press` presses it")]
     NoLight,

@@ -2,7 +2,7 @@
 
 use super::{PipelineError, Shot};
 use crate::estimate::{
-    Calibration, Estimates, Exposed, GreyImage, ImageError, PaperEstimate, Settings, Subtracted, measure,
+    Calibration, Estimates, Exposed, GreyImage, GreyImageError, PaperEstimate, Settings, Subtracted, measure,
 };
 use crate::film::Film;
 
@@ -77,7 +77,7 @@ impl Shot<'_> {
     ///
     /// # Errors
     /// Never for a camera's frame.
-    pub fn as_reference(&self) -> Result<Reference, ImageError> {
+    pub fn as_reference(&self) -> Result<Reference, GreyImageError> {
         Ok(Reference { image: GreyImage::from_frame(&self.frame)?, film: Some(self.outcome.film.clone()) })
     }
 }

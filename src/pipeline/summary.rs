@@ -6,7 +6,7 @@ use crate::estimate::{Estimates, PaperEstimate};
 use crate::figure::Figure;
 use crate::film::Ledger;
 use crate::mechanics::kinematics::Kinematics;
-use crate::mechanics::newton::Method;
+use crate::mechanics::newton::LinearSolver;
 use crate::mechanics::press::{PressStep, Pressed, Setup};
 use crate::trace::Outcome;
 use crate::trace::batch::Times;
@@ -400,10 +400,10 @@ impl StepSummary {
 }
 
 /// How linear systems are solved, in words.
-pub(crate) fn method_name(method: Method) -> &'static str {
+pub(crate) fn method_name(method: LinearSolver) -> &'static str {
     match method {
-        Method::Direct => "factorisation",
-        Method::Multigrid => "multigrid",
+        LinearSolver::Direct => "factorisation",
+        LinearSolver::Multigrid => "multigrid",
     }
 }
 

@@ -26,7 +26,7 @@ pub struct Press {
     /// indenter, where elements are small: a disc. Absent: out to where the indenter lies as far below its tip as it is
     /// pressed in, and farther by the longest slide; the whole of a rounded flat one whose edge is at most half as wide
     /// as its flat.
-    pub footprint: Option<Face>,
+    pub footprint: Option<FaceOutline>,
     /// What happens along the touching faces. Default: `frictionless`.
     pub interface: Interface,
     /// Radius of the rim of the sensor's touched face, mm; 0 is sharp. Absent: 0 where tied; where faces slide 0.5, or as
@@ -106,7 +106,7 @@ pub enum PressedSensor {
 /// Outline of the touched face, centred on the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields, tag = "kind")]
-pub enum Face {
+pub enum FaceOutline {
     /// A disc.
     Round {
         /// Its radius, mm.
@@ -150,8 +150,9 @@ pub enum Dimensions {
 
 impl Press {
     /// The face of the sensor that the phantom can touch.
-    pub fn face(&self, stack: &Stack) -> Face {
-        self.footprint.unwrap_or(Face::Rectangle { half_widths_mm: stack.footprint_mm.map(|extent| extent / 2.0) })
+    pub fn face(&self, stack: &Stack) -> FaceOutline {
+        self.footprint
+            .unwrap_or(FaceOutline::Rectangle { half_widths_mm: stack.footprint_mm.map(|extent| extent / 2.0) })
     }
 
     /// Radius of the rim of the sensor's touched face, mm.
@@ -189,7 +190,7 @@ impl Press {
             let round = one.shape.semi_axes_mm().is_some_and(|semi| semi[0] == semi[1]);
             round && one.center_mm == [0.0; 2]
         };
-        if self.indenter.is_none() && matches!(self.face(stack), Face::Rectangle { .. }) {
+        if self.indenter.is_none() && matches!(self.face(stack), FaceOutline::Rectangle { .. }) {
             return Some("the touched face is a rectangle".to_owned());
         }
         if self.tilt_deg != [0.0; 2] {
@@ -209,7 +210,7 @@ impl Press {
     }
 }
 
-impl Face {
+impl FaceOutline {
     /// Half the widths along x and y, mm.
     pub fn half_widths_mm(&self) -> [f64; 2] {
         match self {

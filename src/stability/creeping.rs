@@ -5,7 +5,7 @@ use super::tracer::Start;
 use crate::trace::Model;
 use crate::trace::cpu::vec3::{V3, v3};
 use crate::trace::cpu::{Limits, Path};
-use crate::trace::model::Shape;
+use crate::trace::model::Deformation;
 use std::f64::consts::FRAC_PI_2;
 
 /// Distances from the middle of the fields, mm: crest, flanks, rims and level parts of the dents and presses.
@@ -21,7 +21,7 @@ pub const STEPS: u32 = 64;
 
 /// Rays along each interface of a model that is a height field; none where there is no such interface.
 pub fn starts(model: &Model<f64>) -> Vec<Start> {
-    let Shape::Field(field) = &model.shape else { return Vec::new() };
+    let Deformation::Field(field) = &model.shape else { return Vec::new() };
     let mut path = Path::new(model, Limits::default());
     let mut starts = Vec::new();
     let curved = (0..model.faces.len()).filter(|&i| model.faces[i].share != 0.0);

@@ -24,7 +24,7 @@ pub use row::{Part, Row, Subject};
 pub use tracer::{Finish, Start, Tracer};
 pub use walks::{DriftSample, drift_curve};
 
-use crate::estimate::{CalibrationError, ImageError};
+use crate::estimate::{CalibrationError, GreyImageError};
 use crate::mechanics::material::MaterialError;
 use crate::mechanics::mesh::MeshError;
 use crate::mechanics::path::PathError;
@@ -54,7 +54,7 @@ pub enum StabilityError {
     #[error(transparent)]
     Press(#[from] PressError),
     #[error(transparent)]
-    Image(#[from] ImageError),
+    Image(#[from] GreyImageError),
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
     #[error(transparent)]

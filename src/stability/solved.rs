@@ -2,7 +2,7 @@
 
 use super::StabilityError;
 use crate::mechanics::mesh::{Mesh, Resolution};
-use crate::mechanics::newton::{Method, Solver};
+use crate::mechanics::newton::{LinearSolver, Solver};
 use crate::mechanics::path::follow;
 use crate::mechanics::problem::{Problem, State, Support};
 
@@ -11,7 +11,7 @@ use crate::mechanics::problem::{Problem, State, Support};
 /// # Errors
 /// `Path` where a load is not reached, however short the steps.
 pub fn solve(problem: &Problem, loads: &[f64]) -> Result<State, StabilityError> {
-    Ok(follow(&mut Solver::new(problem, Method::Direct), problem.start(), &mut None, loads, &mut |_| true)?)
+    Ok(follow(&mut Solver::new(problem, LinearSolver::Direct), problem.start(), &mut None, loads, &mut |_| true)?)
 }
 
 /// Prescribes one component of the displacement wherever `at` holds.

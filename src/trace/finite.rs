@@ -2,7 +2,7 @@
 //! kernel, or as an image that is dark for no reason.
 
 use super::TraceError;
-use super::model::{CapShape, FieldShape, Heights, MeshShape, Model, Real, Shape};
+use super::model::{CapShape, Deformation, FieldShape, Heights, MeshShape, Model, Real};
 use super::scatter::{Lambertian, Scatter};
 
 /// Refuses a model with a number that is not finite, and names it.
@@ -108,13 +108,13 @@ pub(super) fn check<T: Real>(model: &Model<T>, precision: &'static str) -> Resul
 /// Refuses numbers of one name that are not all finite.
 type All<'a, T> = dyn Fn(&str, &[T]) -> Result<(), TraceError> + 'a;
 
-fn shape<T: Real>(shape: &Shape<T>, all: &All<T>) -> Result<(), TraceError> {
+fn shape<T: Real>(shape: &Deformation<T>, all: &All<T>) -> Result<(), TraceError> {
     match shape {
-        Shape::Plane => Ok(()),
-        Shape::Cap(CapShape { center: [x, y], ball, depth, rim_sq }) => {
+        Deformation::Plane => Ok(()),
+        Deformation::Cap(CapShape { center: [x, y], ball, depth, rim_sq }) => {
             all("the cap of the touched face", &[*x, *y, *ball, *depth, *rim_sq])
         }
-        Shape::Field(FieldShape { heights, center }) => {
+        Deformation::Field(FieldShape { heights, center }) => {
             all("the centre of the height fields", center)?;
             match heights {
                 Heights::Grid { per_mm, control, .. } => {
@@ -127,7 +127,7 @@ fn shape<T: Real>(shape: &Shape<T>, all: &All<T>) -> Result<(), TraceError> {
                 }
             }
         }
-        Shape::Mesh(MeshShape { corners, normals, .. }) => {
+        Deformation::Mesh(MeshShape { corners, normals, .. }) => {
             let triangles = || corners.iter().chain(normals).flatten();
             triangles().try_for_each(|corner| all("a corner or normal of the mesh", corner))
         }

@@ -4,7 +4,7 @@
 use super::backend::Devices;
 use super::error::TraceError;
 use super::kernel::{Kernel, ShapePiece};
-use super::model::{Camera, FieldShape, Heights, Model, Shape, Spare, Tissue};
+use super::model::{Camera, Deformation, FieldShape, Heights, Model, Spare, Tissue};
 use super::render::{Settings, render};
 use super::scatter::Scatter;
 use crate::film::compare::compare;
@@ -164,7 +164,7 @@ fn flat_fields(model: &mut Model<f64>) {
         (face.share, face.low, face.high) = (1.0, -1e-3, 1e-3);
     }
     let cells = (FLAT_POINTS - 1) as f64;
-    model.shape = Shape::Field(FieldShape {
+    model.shape = Deformation::Field(FieldShape {
         heights: Heights::Grid {
             size: [FLAT_POINTS; 2],
             per_mm: model.half_size.map(|half| cells / (2.0 * half)),
@@ -177,7 +177,8 @@ fn flat_fields(model: &mut Model<f64>) {
 /// The same heights on a grid.
 fn over_the_plane(model: &mut Model<f64>) {
     let footprint = model.half_size.map(|half| 2.0 * half);
-    let Shape::Field(FieldShape { heights: Heights::Profile { per_mm, cells }, center, .. }) = &model.shape else {
+    let Deformation::Field(FieldShape { heights: Heights::Profile { per_mm, cells }, center, .. }) = &model.shape
+    else {
         return;
     };
     // As fine as the profiles.
@@ -189,7 +190,7 @@ fn over_the_plane(model: &mut Model<f64>) {
         face.follow(&fields[face.field]);
     }
     let Some(first) = fields.first() else { return };
-    model.shape = Shape::Field(FieldShape {
+    model.shape = Deformation::Field(FieldShape {
         heights: Heights::Grid {
             size: [first.columns, first.rows],
             per_mm: first.per_mm,

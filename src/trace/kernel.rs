@@ -1,7 +1,7 @@
 //! What a scene needs of the kernels, and what it leaves out.
 
 use super::constants::Finish;
-use super::model::{Heights, Model, Real, Shape, Spare, Walls};
+use super::model::{Deformation, Heights, Model, Real, Spare, Walls};
 
 /// Pieces of the kernels that a scene needs. The GPU assembles its WGSL from them, the twin branches on them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,19 +60,19 @@ impl Kernel {
     pub fn of<T: Real>(model: &Model<T>) -> Self {
         let zero = T::zero();
         let carries = |piece| model.spare.contains(&piece);
-        let straight = matches!(model.shape, Shape::Plane)
+        let straight = matches!(model.shape, Deformation::Plane)
             && model.walls == Walls::Black
             && model.faces.iter().all(|f| f.finish == Finish::Smooth)
             && model.tissue.as_ref().is_some_and(|t| t.radius_sq < T::of(1e30));
         Self {
             shape: match model.shape {
-                Shape::Plane => ShapePiece::Plane,
-                Shape::Cap(_) => ShapePiece::Cap,
-                Shape::Field(ref field) => match field.heights {
+                Deformation::Plane => ShapePiece::Plane,
+                Deformation::Cap(_) => ShapePiece::Cap,
+                Deformation::Field(ref field) => match field.heights {
                     Heights::Grid { .. } => ShapePiece::Field,
                     Heights::Profile { .. } => ShapePiece::Profile,
                 },
-                Shape::Mesh(_) => ShapePiece::Mesh,
+                Deformation::Mesh(_) => ShapePiece::Mesh,
             },
             deformed_pairs: carries(Spare::DeformedPairs)
                 || model.faces.windows(2).any(|pair| pair.iter().all(|f| f.share != zero)),

@@ -81,9 +81,9 @@ pub struct Face<T> {
     pub finish: Finish,
 }
 
-/// Shape of the deformed interfaces.
+/// How interfaces are deformed.
 #[derive(Debug, Clone)]
-pub enum Shape<T> {
+pub enum Deformation<T> {
     /// None is deformed.
     Plane,
     /// Spherical cap.
@@ -203,8 +203,8 @@ pub struct Model<T> {
     pub layers: Vec<Layer<T>>,
     /// Interfaces.
     pub faces: Vec<Face<T>>,
-    /// Shape of the deformed interfaces.
-    pub shape: Shape<T>,
+    /// How interfaces are deformed.
+    pub shape: Deformation<T>,
     /// LEDs.
     pub leds: Vec<Led<T>>,
     /// Intensity tables of the LEDs: relative radiance and cumulative share of the power.
@@ -266,14 +266,14 @@ impl Model<f64> {
                 })
                 .collect(),
             shape: match &self.shape {
-                Shape::Plane => Shape::Plane,
-                Shape::Cap(c) => Shape::Cap(CapShape {
+                Deformation::Plane => Deformation::Plane,
+                Deformation::Cap(c) => Deformation::Cap(CapShape {
                     center: pair(c.center),
                     ball: of(c.ball),
                     depth: of(c.depth),
                     rim_sq: of(c.rim_sq),
                 }),
-                Shape::Field(f) => Shape::Field(FieldShape {
+                Deformation::Field(f) => Deformation::Field(FieldShape {
                     heights: match &f.heights {
                         Heights::Grid { size, per_mm, control } => Heights::Grid {
                             size: *size,
@@ -287,7 +287,7 @@ impl Model<f64> {
                     },
                     center: pair(f.center),
                 }),
-                Shape::Mesh(m) => Shape::Mesh(MeshShape {
+                Deformation::Mesh(m) => Deformation::Mesh(MeshShape {
                     corners: m.corners.iter().map(triple).collect(),
                     normals: m.normals.iter().map(triple).collect(),
                     nodes: m.nodes.clone(),

@@ -1,7 +1,7 @@
 //! From a validated scene to the tracer's model.
 
 use super::constants::Finish;
-use super::model::{Camera, CapShape, Face, FieldShape, Heights, Layer, MeshShape, Model, Shape, Tissue, Walls};
+use super::model::{Camera, CapShape, Deformation, Face, FieldShape, Heights, Layer, MeshShape, Model, Tissue, Walls};
 use super::scatter::Scatter;
 use super::{leds, unfold};
 use crate::optics::{fresnel, tissue};
@@ -71,13 +71,13 @@ fn layers(scene: &scene::Scene) -> Vec<Layer<f64>> {
         .collect()
 }
 
-fn shape(surface: &Surface, interfaces: usize) -> (Shape<f64>, Vec<f64>) {
+fn shape(surface: &Surface, interfaces: usize) -> (Deformation<f64>, Vec<f64>) {
     let mut shares: Vec<f64> = (0..interfaces).map(|i| f64::from(u8::from(surface.relief(i).is_some()))).collect();
     let shape = match surface {
-        Surface::Flat => Shape::Plane,
+        Surface::Flat => Deformation::Plane,
         Surface::Cap { cap, share } => {
             shares.clone_from(share);
-            Shape::Cap(CapShape {
+            Deformation::Cap(CapShape {
                 center: cap.center_mm,
                 ball: cap.ball_radius_mm(),
                 depth: cap.depth_mm,
@@ -88,19 +88,19 @@ fn shape(surface: &Surface, interfaces: usize) -> (Shape<f64>, Vec<f64>) {
             let fields = || fields.iter().flatten();
             let (size, per_mm) = fields().next().map_or(([0; 2], [0.0; 2]), |f| ([f.columns, f.rows], f.per_mm));
             let control = fields().map(|f| f.control.clone()).collect();
-            Shape::Field(FieldShape { heights: Heights::Grid { size, per_mm, control }, center: [0.0; 2] })
+            Deformation::Field(FieldShape { heights: Heights::Grid { size, per_mm, control }, center: [0.0; 2] })
         }
         Surface::Profiles(profiles) => {
             let profiles = || profiles.iter().flatten();
             let (per_mm, center) = profiles().next().map_or((0.0, [0.0; 2]), |p| (p.per_mm, p.center_mm));
             let cells = profiles().map(|p| p.cells.clone()).collect();
-            Shape::Field(FieldShape { heights: Heights::Profile { per_mm, cells }, center })
+            Deformation::Field(FieldShape { heights: Heights::Profile { per_mm, cells }, center })
         }
         Surface::Mesh(mesh) => {
             if let Some(last) = shares.last_mut() {
                 *last = 1.0;
             }
-            Shape::Mesh(MeshShape {
+            Deformation::Mesh(MeshShape {
                 corners: mesh.corners.clone(),
                 normals: mesh.normals.clone(),
                 nodes: mesh.nodes.clone(),

@@ -1,7 +1,7 @@
 //! Cook's membrane with plain bilinear displacement elements: the fault that mixed elements cure.
 
 use tirtouch::mechanics::mesh::shapes;
-use tirtouch::mechanics::sparse::SparseCholesky;
+use tirtouch::mechanics::sparse::SparseLdl;
 use tirtouch::stability::membrane::SHEAR;
 
 /// Deflection of the loaded edge's middle with plain bilinear elements, 2 x 2 Gauss points.
@@ -21,7 +21,7 @@ pub fn bilinear_cook(lambda: f64, n: usize) -> f64 {
     let groups: Vec<Vec<u32>> = cells.iter().map(|cell| cell.iter().filter_map(node).collect()).collect();
     let positions: Vec<[f64; 3]> = free.iter().map(|&a| mesh.nodes[a as usize]).collect();
     let first = (0..=free.len() as u32).map(|k| 2 * k).collect();
-    let mut matrix = SparseCholesky::new(first, &positions, &groups).unwrap();
+    let mut matrix = SparseLdl::new(first, &positions, &groups).unwrap();
     for cell in &cells {
         let stiffness = bilinear_stiffness(cell.map(|a| mesh.nodes[a as usize]), lambda);
         let numbers = equations(cell);

@@ -7,7 +7,7 @@ use tirtouch::mechanics::contact::Grip;
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::{Law, Material};
 use tirtouch::mechanics::mesh::{Footprint, PhantomMesh, PhantomShape, shapes};
-use tirtouch::mechanics::newton::{Method, Solver};
+use tirtouch::mechanics::newton::{LinearSolver, Solver};
 use tirtouch::mechanics::path::follow;
 use tirtouch::mechanics::problem::Problem;
 use tirtouch::mechanics::read_out::{min_jacobian, pressure_jump};
@@ -82,7 +82,7 @@ fn a_bonded_block_is_pressed_to_half_its_height() {
         let materials = vec![Material::elastic(law, poisson).unwrap()];
         let kinematics = Kinematics::Axisymmetric;
         let problem = Problem { supports, ..Problem::free(kinematics, mesh, materials) };
-        let mut solver = Solver::new(&problem, Method::Direct);
+        let mut solver = Solver::new(&problem, LinearSolver::Direct);
         let mut state = problem.start();
         for load in (1..=10).map(|k| 0.1 * f64::from(k)) {
             state = follow(&mut solver, state, &mut None, &[load], &mut |_| true).unwrap();

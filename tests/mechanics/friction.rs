@@ -7,7 +7,7 @@ use tirtouch::mechanics::contact::{Contact, Counterpart, Grip, Profile};
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::Material;
 use tirtouch::mechanics::mesh::{Footprint, Mesh, PhantomMesh, PhantomShape};
-use tirtouch::mechanics::newton::{Method, Solver};
+use tirtouch::mechanics::newton::{LinearSolver, Solver};
 use tirtouch::mechanics::press::contact_points;
 use tirtouch::mechanics::problem::{Problem, State, Support};
 
@@ -36,10 +36,10 @@ fn pressed_and_moved(mut problem: Problem, height: f64, depth: f64, along: [f64;
     problem.supports = moved(&problem.mesh, height, base(0.0));
     let grip = std::mem::replace(&mut problem.contacts[0].grip, Grip::Frictionless);
     let start = problem.start();
-    let pressed = Solver::new(&problem, Method::Direct).step(&start, &start, 1.0, false).unwrap();
+    let pressed = Solver::new(&problem, LinearSolver::Direct).step(&start, &start, 1.0, false).unwrap();
     problem.supports = moved(&problem.mesh, height, base(1.0));
     problem.contacts[0].grip = grip;
-    let state = Solver::new(&problem, Method::Direct).step(&pressed, &pressed, 1.0, false).unwrap();
+    let state = Solver::new(&problem, LinearSolver::Direct).step(&pressed, &pressed, 1.0, false).unwrap();
     (problem, state)
 }
 

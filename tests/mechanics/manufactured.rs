@@ -1,7 +1,7 @@
 //! A smooth incompressible flow of known forces: u = c (sin z + cos y, ...) in three dimensions, c (sin z, cos x) in
 //! two.
 
-use tirtouch::mechanics::element::{QuadraturePoint, Shape};
+use tirtouch::mechanics::element::{QuadraturePoint, ShapeFunctions};
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::mesh::Mesh;
 use tirtouch::mechanics::problem::{Problem, State};
@@ -20,7 +20,7 @@ pub fn points(dim: usize) -> Vec<QuadraturePoint> {
     let point = |q: usize| {
         let along = [q % 4, q / 4 % 4, q / 16].map(|k| GAUSS_4[k]);
         let weight = along[..dim].iter().map(|a| a[1]).product();
-        QuadraturePoint { shape: Shape::at(dim, along.map(|a| a[0])), weight }
+        QuadraturePoint { shape: ShapeFunctions::at(dim, along.map(|a| a[0])), weight }
     };
     (0..4usize.pow(dim as u32)).map(point).collect()
 }

@@ -2,7 +2,7 @@
 //! incompressibility nor contrast drives up.
 
 use tirtouch::mechanics::from_scene::press_setup;
-use tirtouch::mechanics::newton::{Method, Solver};
+use tirtouch::mechanics::newton::{LinearSolver, Solver};
 use tirtouch::mechanics::press::{Assembly, contact_points};
 use tirtouch::mechanics::problem::State;
 use tirtouch::scene::{Dimensions, Elastic, Interface, preset};
@@ -23,7 +23,7 @@ fn assembly(poisson: f64, contrast: f64, interface: Interface) -> Assembly {
 }
 
 /// The state at half a millimetre, its force, and the cycles of an iteration.
-fn pressed(assembly: &Assembly, method: Method) -> (State, f64, f64) {
+fn pressed(assembly: &Assembly, method: LinearSolver) -> (State, f64, f64) {
     let mut solver = Solver::new(&assembly.problem, method);
     let start = assembly.problem.start();
     let state = solver.step(&start, &start, 0.5, true).unwrap();
@@ -37,7 +37,8 @@ fn multigrid_finds_what_a_factorisation_finds() {
     let slides = Interface::Frictionless;
     for (poisson, contrast, interface) in [(0.5, 1e3, tied), (0.4, 1e-3, tied), (0.4999, 24.0, slides)] {
         let assembly = assembly(poisson, contrast, interface);
-        let [direct, multigrid] = [Method::Direct, Method::Multigrid].map(|method| pressed(&assembly, method));
+        let [direct, multigrid] =
+            [LinearSolver::Direct, LinearSolver::Multigrid].map(|method| pressed(&assembly, method));
         let size = direct.0.displacement.iter().flatten().fold(0.0, |m: f64, u| m.max(u.abs()));
         let pairs = direct.0.displacement.iter().flatten().zip(multigrid.0.displacement.iter().flatten());
         let off = pairs.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / size;

@@ -4,7 +4,7 @@ use super::answers::held_around;
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::{Law, Material, Prony};
 use tirtouch::mechanics::mesh::shapes;
-use tirtouch::mechanics::newton::{Method, Solver};
+use tirtouch::mechanics::newton::{LinearSolver, Solver};
 use tirtouch::mechanics::problem::{Problem, State};
 use tirtouch::mechanics::read_out::{element_pressure, reactions, samples};
 
@@ -30,7 +30,7 @@ fn held(kinematics: Kinematics, law: Law, gradient: [[f64; 3]; 3], ramp_s: f64, 
     let supports = held_around(&mesh, |x| [0, 1, 2].map(|i| (0..3).map(|j| gradient[i][j] * x[j]).sum()));
     let seconds_per_load = Some(ramp_s);
     let problem = Problem { supports, seconds_per_load, ..Problem::free(kinematics, mesh, vec![material]) };
-    let mut solver = Solver::new(&problem, Method::Direct);
+    let mut solver = Solver::new(&problem, LinearSolver::Direct);
     let start = problem.start();
     let ramped = solver.step(&start, &start, 1.0, true).unwrap();
     let state = solver.hold(&ramped, hold_s).unwrap();

@@ -2,7 +2,7 @@
 
 use super::answers::phantom::setup;
 use tirtouch::mechanics::mesh::Boundary;
-use tirtouch::mechanics::newton::{Method, Solver};
+use tirtouch::mechanics::newton::{LinearSolver, Solver};
 use tirtouch::mechanics::path::follow;
 use tirtouch::mechanics::press::{Assembly, contact_points};
 use tirtouch::mechanics::problem::State;
@@ -14,7 +14,7 @@ const DIVISIONS: usize = 1;
 
 fn pressed(assembly: &Assembly) -> State {
     let problem = &assembly.problem;
-    let mut solver = Solver::new(problem, Method::Direct);
+    let mut solver = Solver::new(problem, LinearSolver::Direct);
     follow(&mut solver, problem.start(), &mut None, &[1.0, 2.0, DEPTH_MM], &mut |_| true).unwrap()
 }
 

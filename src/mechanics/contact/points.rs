@@ -1,7 +1,7 @@
 //! Gauss points of a touched facet, with the hats of its nodes.
 
 use super::project::dot;
-use crate::mechanics::element::{GAUSS_3, Shape};
+use crate::mechanics::element::{GAUSS_3, ShapeFunctions};
 use crate::mechanics::kinematics::Kinematics;
 
 /// A Gauss point of the touched face.
@@ -9,7 +9,7 @@ use crate::mechanics::kinematics::Kinematics;
 pub struct TouchPoint {
     /// The facet.
     pub facet: usize,
-    /// Shape functions of the facet's nodes.
+    /// ShapeFunctions functions of the facet's nodes.
     pub shape: [f64; 9],
     /// Their local gradients.
     pub gradient: [[f64; 2]; 9],
@@ -34,7 +34,7 @@ pub fn touch_points(kinematics: Kinematics, facet: usize, positions: &[[f64; 3]]
         .map(|q| {
             let (i, j) = (q % line.len(), q / line.len());
             let second = if axes == 2 { line[j] } else { [0.0, 1.0] };
-            let shape = Shape::at(axes, [line[i][0], second[0], 0.0]);
+            let shape = ShapeFunctions::at(axes, [line[i][0], second[0], 0.0]);
             let mut tangents = [[0.0; 3]; 2];
             for (a, x) in positions.iter().enumerate() {
                 for c in 0..3 {

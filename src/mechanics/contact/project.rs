@@ -1,6 +1,6 @@
 //! The point of a deformable counterpart's face that a point of the touched face meets.
 
-use crate::mechanics::element::Shape;
+use crate::mechanics::element::ShapeFunctions;
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
@@ -108,7 +108,7 @@ impl<'a> Face<'a> {
         let axes = self.dim - 1;
         let mut xi = [0.0; 3];
         for _ in 0..STEPS {
-            let shape = Shape::at(axes, xi);
+            let shape = ShapeFunctions::at(axes, xi);
             let (foot, tangents) = self.place(nodes, &shape);
             let away = subtract(x, foot);
             // Gauss-Newton on the tangential distances.
@@ -130,7 +130,7 @@ impl<'a> Face<'a> {
         if xi.iter().any(|c| c.abs() > 1.0 + MARGIN) {
             return None;
         }
-        let shape = Shape::at(axes, xi);
+        let shape = ShapeFunctions::at(axes, xi);
         let (foot, tangents) = self.place(nodes, &shape);
         let mut normal =
             if axes == 1 { [-tangents[0][1], tangents[0][0], 0.0] } else { cross(tangents[0], tangents[1]) };
@@ -158,7 +158,7 @@ impl<'a> Face<'a> {
         let axes = self.dim - 1;
         let mut xi = [0.0; 3];
         for _ in 0..STEPS {
-            let shape = Shape::at(axes, xi);
+            let shape = ShapeFunctions::at(axes, xi);
             let (place, tangents) = self.place(nodes, &shape);
             let slide = slides(axes, across, tangents)?;
             let away = subtract(x, place);
@@ -175,7 +175,7 @@ impl<'a> Face<'a> {
         if xi.iter().any(|c| c.abs() > 1.0 + MARGIN) {
             return None;
         }
-        let shape = Shape::at(axes, xi);
+        let shape = ShapeFunctions::at(axes, xi);
         let (place, tangents) = self.place(nodes, &shape);
         let slide = slides(axes, across, tangents)?;
         let away = subtract(x, place);
@@ -197,7 +197,7 @@ impl<'a> Face<'a> {
         Some(hit)
     }
 
-    fn place(&self, nodes: &[[f64; 3]], shape: &Shape) -> ([f64; 3], [[f64; 3]; 2]) {
+    fn place(&self, nodes: &[[f64; 3]], shape: &ShapeFunctions) -> ([f64; 3], [[f64; 3]; 2]) {
         let mut point = [0.0; 3];
         let mut tangents = [[0.0; 3]; 2];
         for (a, node) in nodes.iter().enumerate() {

@@ -3,7 +3,7 @@
 
 use super::blocks::BlockMatrix;
 use super::smoother::Smoother;
-use crate::mechanics::sparse::{SparseCholesky, SparseError};
+use crate::mechanics::sparse::{SparseError, SparseLdl};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -28,7 +28,7 @@ pub struct Aggregates {
     rigid: Vec<Motion>,
     /// Aggregates that move each node.
     moves: Vec<Vec<(u32, Motion)>>,
-    factor: SparseCholesky,
+    factor: SparseLdl,
 }
 
 impl Aggregates {
@@ -54,7 +54,7 @@ impl Aggregates {
         let moves = smoothed(matrix, smoother, &of, &rigid, held);
         let groups: Vec<Vec<u32>> = product(matrix, &moves).into_keys().map(|(a, b)| vec![a, b]).collect();
         let first = (0..=count as u32).map(|a| MODES as u32 * a).collect();
-        let factor = SparseCholesky::new(first, &middles, &groups)?;
+        let factor = SparseLdl::new(first, &middles, &groups)?;
         let mut made = Self { of, count, rigid, moves, factor };
         made.factorise(matrix)?;
         Ok(made)

@@ -5,7 +5,7 @@
 //! matrix of displacements, one symbolic factorisation serves all steps, and the answer does not depend on the
 //! stand-ins.
 //!
-//! The linear systems are factorised, or solved by Krylov's method with multigrid ([`Method`]): displacements,
+//! The linear systems are factorised, or solved by Krylov's method with multigrid ([`LinearSolver`]): displacements,
 //! pressures and tractions together, so that incompressibility does not stiffen the block that multigrid takes, and
 //! contact only as far as it bears (docs/decisions/multigrid.md).
 
@@ -35,7 +35,7 @@ pub struct Solver<'a> {
     prescribed: Vec<f64>,
     /// Displacement and load factor there; none at rest.
     turned: Option<(Vec<[f64; 3]>, f64)>,
-    method: Method,
+    method: LinearSolver,
     tangent: Option<Tangent>,
     tangent_bulk_kpa: f64,
     /// Forces of a strain of `FLOOR_STRAIN`, mN.
@@ -59,7 +59,7 @@ const HELD: u32 = u32::MAX;
 
 /// How Newton's linear systems are solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Method {
+pub enum LinearSolver {
     /// By factorisation: the fastest in two dimensions and for few unknowns.
     #[default]
     Direct,
@@ -164,7 +164,7 @@ impl Balance {
 
 impl<'a> Solver<'a> {
     /// Numbers the unknowns of a problem. In two dimensions all is factorised.
-    pub fn new(problem: &'a Problem, method: Method) -> Self {
+    pub fn new(problem: &'a Problem, method: LinearSolver) -> Self {
         let dim = problem.kinematics.dim();
         let mut prescribed = vec![0.0; problem.mesh.nodes.len() * dim];
         let mut equation = vec![0; prescribed.len()];
@@ -181,7 +181,7 @@ impl<'a> Solver<'a> {
             equation,
             prescribed,
             turned: None,
-            method: if dim == 3 { method } else { Method::Direct },
+            method: if dim == 3 { method } else { LinearSolver::Direct },
             tangent: None,
             tangent_bulk_kpa: tangent_bulk_kpa(&problem.materials),
             floor: floor(problem),
@@ -399,8 +399,8 @@ impl<'a> Solver<'a> {
     fn springs(&self, stiff: f64) -> [f64; 2] {
         let soft = stiff / SPRING;
         match self.method {
-            Method::Direct => [soft, stiff],
-            Method::Multigrid => [soft, iterative::CONTACT * soft],
+            LinearSolver::Direct => [soft, stiff],
+            LinearSolver::Multigrid => [soft, iterative::CONTACT * soft],
         }
     }
 

@@ -2,13 +2,13 @@
 
 use super::krylov::gmres;
 use super::touch::{Hold, Touching, pushes};
-use super::{Balance, CHUNK, Change, FLOOR_STRAIN, HELD, Method, Solver, StepError};
+use super::{Balance, CHUNK, Change, FLOOR_STRAIN, HELD, LinearSolver, Solver, StepError};
 use crate::mechanics::contact::Coupling;
 use crate::mechanics::element::quadrature;
 use crate::mechanics::multigrid::Multigrid;
 use crate::mechanics::problem::{Problem, State};
 use crate::mechanics::solid::ElementSystem;
-use crate::mechanics::sparse::{SparseCholesky, SparseError};
+use crate::mechanics::sparse::{SparseError, SparseLdl};
 use rayon::prelude::*;
 
 /// Bulk modulus in the displacements' block that multigrid takes, in shear moduli.
@@ -21,7 +21,7 @@ const ODD_DIRECTIONS: usize = 240;
 
 /// Newton's tangent, as its method holds it.
 pub(super) enum Tangent {
-    Direct(Box<SparseCholesky>),
+    Direct(Box<SparseLdl>),
     Multigrid(Box<Multigrid>),
 }
 
@@ -154,8 +154,8 @@ impl Solver<'_> {
     /// Bulk modulus that an element has in the tangent, kPa.
     pub(super) fn bulk_kpa(&self, e: usize) -> f64 {
         match self.method {
-            Method::Direct => self.tangent_bulk_kpa,
-            Method::Multigrid => {
+            LinearSolver::Direct => self.tangent_bulk_kpa,
+            LinearSolver::Multigrid => {
                 let material = &self.problem.materials[self.problem.mesh.region[e] as usize];
                 BULK * material.law.shear_kpa()
             }
@@ -172,7 +172,7 @@ impl Solver<'_> {
         }
         let (mesh, dim) = (&self.problem.mesh, self.problem.kinematics.dim());
         self.tangent = Some(match self.method {
-            Method::Direct => {
+            LinearSolver::Direct => {
                 let mut groups: Vec<Vec<u32>> = (0..mesh.element_count()).map(|e| mesh.element(e).to_vec()).collect();
                 groups.extend(contacts);
                 let mut first = vec![0];
@@ -180,9 +180,9 @@ impl Solver<'_> {
                     let free = unknowns.iter().filter(|e| **e != HELD).count() as u32;
                     first.push(first.last().map_or(0, |last| last + free));
                 }
-                Tangent::Direct(Box::new(SparseCholesky::new(first, &mesh.nodes, &groups)?))
+                Tangent::Direct(Box::new(SparseLdl::new(first, &mesh.nodes, &groups)?))
             }
-            Method::Multigrid => {
+            LinearSolver::Multigrid => {
                 let held = (0..mesh.nodes.len() as u32).map(|node| self.held(node)).collect();
                 Tangent::Multigrid(Box::new(Multigrid::new(mesh, held, &contacts)))
             }
@@ -298,7 +298,7 @@ impl Solver<'_> {
 
     fn solve_directly(
         &self,
-        matrix: &mut SparseCholesky,
+        matrix: &mut SparseLdl,
         mut change: Vec<f64>,
         right: &[f64],
         systems: &[ElementSystem],

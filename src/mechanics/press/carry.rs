@@ -2,7 +2,7 @@
 //! (docs/decisions/warm-starts.md).
 
 use super::{Assembly, Pressed};
-use crate::mechanics::element::{MAX_NODES, Shape};
+use crate::mechanics::element::{MAX_NODES, ShapeFunctions};
 use crate::mechanics::problem::{Problem, State, Traction};
 use crate::mechanics::solid::{pressure_frame, pressure_functions};
 use glam::Vec3A;
@@ -71,7 +71,7 @@ impl<'a> Body<'a> {
         let nodes = mesh.element(element);
         let dim = mesh.dim;
         let mut xi = [0.0_f64; 3];
-        let mut shape = Shape::at(dim, xi);
+        let mut shape = ShapeFunctions::at(dim, xi);
         for _ in 0..STEPS {
             let mut off = [0.0; 3];
             let mut slope = [[0.0; 3]; 3];
@@ -89,7 +89,7 @@ impl<'a> Body<'a> {
                 return None;
             }
             (0..dim).for_each(|i| xi[i] = (xi[i] + step[i]).clamp(-2.0, 2.0));
-            shape = Shape::at(dim, xi);
+            shape = ShapeFunctions::at(dim, xi);
             if step.abs().max_element() < 1e-10 {
                 break;
             }

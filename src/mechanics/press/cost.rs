@@ -3,7 +3,7 @@
 use super::{Assembly, Load, PressError, Setup};
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::memory::{GIB, limit_gib};
-use crate::mechanics::newton::Method;
+use crate::mechanics::newton::LinearSolver;
 use crate::mechanics::problem::Problem;
 
 /// What a press takes.
@@ -14,7 +14,7 @@ pub struct Cost {
     /// Displacement unknowns.
     pub unknowns: usize,
     /// How linear systems are solved.
-    pub method: Method,
+    pub method: LinearSolver,
     /// Memory, GiB; measured ones lay between half and all of it.
     pub memory_gib: f64,
     /// Seconds on two cores, to a factor of three.
@@ -29,22 +29,22 @@ const ITERATIONS: f64 = 7.0;
 const FORCE_PRESSES: f64 = 4.0;
 
 /// Memory by unknowns n, bytes. `docs/decisions/multigrid.md` has the measured ones.
-fn memory_bytes(plane: bool, method: Method, n: f64) -> f64 {
+fn memory_bytes(plane: bool, method: LinearSolver, n: f64) -> f64 {
     const PROGRAM: f64 = 4e7;
     PROGRAM
         + match (plane, method) {
             (true, _) => 2.2e3 * n,
-            (false, Method::Direct) => 260.0 * n.powf(1.35),
-            (false, Method::Multigrid) => 2.6e3 * n,
+            (false, LinearSolver::Direct) => 260.0 * n.powf(1.35),
+            (false, LinearSolver::Multigrid) => 2.6e3 * n,
         }
 }
 
 /// Seconds of an iteration by unknowns n.
-fn iteration_seconds(plane: bool, method: Method, n: f64) -> f64 {
+fn iteration_seconds(plane: bool, method: LinearSolver, n: f64) -> f64 {
     match (plane, method) {
         (true, _) => 7e-6 * n,
-        (false, Method::Direct) => 7.6e-7 * n.powf(1.4),
-        (false, Method::Multigrid) => 2.3e-5 * n,
+        (false, LinearSolver::Direct) => 7.6e-7 * n.powf(1.4),
+        (false, LinearSolver::Multigrid) => 2.3e-5 * n,
     }
 }
 
@@ -53,15 +53,15 @@ impl Cost {
     ///
     /// # Errors
     /// Geometry that cannot be meshed, a setting that is not supported.
-    pub fn of(setup: &Setup, method: Option<Method>) -> Result<Self, PressError> {
+    pub fn of(setup: &Setup, method: Option<LinearSolver>) -> Result<Self, PressError> {
         Ok(Self::of_problem(setup, &Assembly::new(setup)?.problem, method))
     }
 
-    pub(super) fn of_problem(setup: &Setup, problem: &Problem, method: Option<Method>) -> Self {
+    pub(super) fn of_problem(setup: &Setup, problem: &Problem, method: Option<LinearSolver>) -> Self {
         let unknowns = problem.unknowns();
         let plane = setup.kinematics != Kinematics::ThreeDimensional;
-        let best = if plane || unknowns < CROSSING { Method::Direct } else { Method::Multigrid };
-        let method = if plane { Method::Direct } else { method.unwrap_or(best) };
+        let best = if plane || unknowns < CROSSING { LinearSolver::Direct } else { LinearSolver::Multigrid };
+        let method = if plane { LinearSolver::Direct } else { method.unwrap_or(best) };
         let presses = match &setup.load {
             Load::Depths(depths) => depths.len() as f64,
             Load::Forces(forces) => FORCE_PRESSES * forces.len() as f64,
@@ -118,9 +118,9 @@ mod tests {
     #[test]
     fn large_presses_in_three_dimensions_alone_go_to_multigrid() {
         let method = |dimensions, resolution| Cost::of(&setup(dimensions, resolution), None).unwrap().method;
-        assert_eq!(method(Dimensions::Two, 4.0), Method::Direct);
-        assert_eq!(method(Dimensions::Three, 0.4), Method::Direct);
-        assert_eq!(method(Dimensions::Three, 1.0), Method::Multigrid);
+        assert_eq!(method(Dimensions::Two, 4.0), LinearSolver::Direct);
+        assert_eq!(method(Dimensions::Three, 0.4), LinearSolver::Direct);
+        assert_eq!(method(Dimensions::Three, 1.0), LinearSolver::Multigrid);
     }
 
     #[test]

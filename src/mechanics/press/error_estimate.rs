@@ -5,7 +5,7 @@ use super::ready::Ready;
 use super::{ContactPoint, Load, PressError, SensorBody, Setup};
 use crate::mechanics::contact::Profile;
 use crate::mechanics::kinematics::Kinematics;
-use crate::mechanics::newton::Method;
+use crate::mechanics::newton::LinearSolver;
 
 /// Orders of convergence. Of the pressure as the elements have it, and of all that the singular edge spoils: the force,
 /// and the pressure that it sends inwards. The edge of a body bonded to a much stiffer one moves as the root of the
@@ -45,7 +45,7 @@ pub const NOTHING: f64 = 1e-6;
 pub(super) fn estimate(
     pressed: &mut Pressed,
     coarse: Option<Pressed>,
-    method: Option<Method>,
+    method: Option<LinearSolver>,
     observe: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), PressError> {
     let rounder = pressed.setup.coarsened().twice_rounded();
@@ -83,7 +83,7 @@ pub(super) fn estimate(
 fn again(
     pressed: &Pressed,
     mut setup: Setup,
-    method: Option<Method>,
+    method: Option<LinearSolver>,
     observe: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Pressed, PressError> {
     if !matches!(setup.load, Load::Path(_)) {

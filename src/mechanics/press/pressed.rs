@@ -1,7 +1,7 @@
 //! What a press finds.
 
 use super::{Assembly, ContactPoint, SensorBody, Setup};
-use crate::mechanics::newton::Method;
+use crate::mechanics::newton::LinearSolver;
 use crate::mechanics::problem::State;
 
 /// A press at one of the asked loads.
@@ -46,7 +46,7 @@ pub struct Pressed {
     /// Seconds of the error estimate.
     pub error_seconds: f64,
     /// How linear systems were solved.
-    pub method: Method,
+    pub method: LinearSolver,
     /// Memory of the matrix's factor, or of multigrid's levels, MiB.
     pub factor_mib: f64,
 }

@@ -4,19 +4,19 @@ use super::carry::Guesses;
 use super::load::{Reached, march};
 use super::pressed::{PressStep, Pressed, is_judged};
 use super::{Assembly, Cost, Load, Pose, PressError, Setup, contact_points};
-use crate::mechanics::newton::{Method, Solver};
+use crate::mechanics::newton::{LinearSolver, Solver};
 use std::time::{Duration, Instant};
 
 /// A press that was found to fit into memory.
 pub(super) struct Ready {
     setup: Setup,
     assembly: Assembly,
-    method: Method,
+    method: LinearSolver,
     meshing: Duration,
 }
 
 impl Ready {
-    pub fn new(setup: &Setup, method: Option<Method>) -> Result<Self, PressError> {
+    pub fn new(setup: &Setup, method: Option<LinearSolver>) -> Result<Self, PressError> {
         let start = Instant::now();
         let assembly = Assembly::new(setup)?;
         let cost = Cost::of_problem(setup, &assembly.problem, method);

@@ -3,7 +3,7 @@
 use super::pressed::{PressStep, Pressed};
 use super::ready::Ready;
 use super::{Load, PressError, Setup, error_estimate};
-use crate::mechanics::newton::Method;
+use crate::mechanics::newton::LinearSolver;
 use crate::mechanics::path::PathError;
 use crate::progress::{Observer, Stage};
 use std::time::Instant;
@@ -14,7 +14,7 @@ pub struct PressSettings {
     /// A second press on a coarser mesh estimates the error.
     pub estimate_error: bool,
     /// How linear systems are solved; if not given, as costs less.
-    pub method: Option<Method>,
+    pub method: Option<LinearSolver>,
 }
 
 /// Presses. `observe` hears how far it is and may stop it.

@@ -3,8 +3,8 @@
 use super::bounds::{ANY, NOT_NEGATIVE, POSITIVE, above, number};
 use super::{Invalid, all, phantom, scan};
 use crate::scene::{
-    Dimensions, Face, Indenter, Inner, Interface, Phantom, PhantomBody, Press, PressStep, PressedSensor, Pressure,
-    Scene, Shape, Stack,
+    Dimensions, FaceOutline, Indenter, Inner, Interface, Phantom, PhantomBody, Press, PressStep, PressedSensor,
+    Pressure, Scene, Shape, Stack,
 };
 use std::ops::Bound;
 
@@ -220,12 +220,12 @@ fn tilt(press: &Press) -> Result<(), Invalid> {
 /// footprint the axis does.
 fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), Invalid> {
     let (half, names) = match press.footprint {
-        Some(Face::Rectangle { .. }) if press.indenter.is_some() => {
+        Some(FaceOutline::Rectangle { .. }) if press.indenter.is_some() => {
             let message = "that of an indenter is round; for example { kind = \"round\", radius_mm = 6.0 }";
             return Err(Invalid::new("press.footprint", message));
         }
-        Some(Face::Round { radius_mm }) => ([radius_mm; 2], ["press.footprint.radius_mm"; 2]),
-        Some(Face::Rectangle { half_widths_mm }) => {
+        Some(FaceOutline::Round { radius_mm }) => ([radius_mm; 2], ["press.footprint.radius_mm"; 2]),
+        Some(FaceOutline::Rectangle { half_widths_mm }) => {
             (half_widths_mm, ["press.footprint.half_widths_mm[0]", "press.footprint.half_widths_mm[1]"])
         }
         None => (footprint_mm.map(|extent| extent / 2.0), ["press.footprint"; 2]),
@@ -240,8 +240,8 @@ fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), 
         }
     }
     let outline = press.footprint.unwrap_or(match press.indenter {
-        Some(_) => Face::Round { radius_mm: 0.0 },
-        None => Face::Rectangle { half_widths_mm: half },
+        Some(_) => FaceOutline::Round { radius_mm: 0.0 },
+        None => FaceOutline::Rectangle { half_widths_mm: half },
     });
     let over = if press.offset_mm == [0.0; 2] { "press.footprint" } else { "press.offset_mm" };
     below_phantom(&outline, press.offset_mm, phantom, over)?;
@@ -253,7 +253,7 @@ fn face(press: &Press, footprint_mm: [f64; 2], phantom: &Phantom) -> Result<(), 
 }
 
 /// Whether the touched face lies below a phantom that is moved to a place.
-fn below_phantom(face: &Face, place_mm: [f64; 2], phantom: &Phantom, key: &str) -> Result<(), Invalid> {
+fn below_phantom(face: &FaceOutline, place_mm: [f64; 2], phantom: &Phantom, key: &str) -> Result<(), Invalid> {
     let over = |reach: f64, room: f64| {
         let message =
             format!("the touched face reaches {reach} mm from the axis, over the phantom's side at {room} mm");
@@ -276,11 +276,11 @@ fn below_phantom(face: &Face, place_mm: [f64; 2], phantom: &Phantom, key: &str) 
 }
 
 /// Farthest point of a face from the axis of a phantom that is moved, mm.
-fn farthest_mm(face: &Face, offset_mm: [f64; 2]) -> f64 {
+fn farthest_mm(face: &FaceOutline, offset_mm: [f64; 2]) -> f64 {
     let [x, y] = offset_mm.map(f64::abs);
     match face {
-        Face::Round { radius_mm } => radius_mm + x.hypot(y),
-        Face::Rectangle { half_widths_mm } => (half_widths_mm[0] + x).hypot(half_widths_mm[1] + y),
+        FaceOutline::Round { radius_mm } => radius_mm + x.hypot(y),
+        FaceOutline::Rectangle { half_widths_mm } => (half_widths_mm[0] + x).hypot(half_widths_mm[1] + y),
     }
 }
 

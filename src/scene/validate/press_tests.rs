@@ -2,8 +2,8 @@
 use super::*;
 use crate::scene::bad_scenes::{Bad, bad, check, check_scan, rule, text_of};
 use crate::scene::{
-    DepthTo, Dimensions, Face, Inclusion, InclusionBody, Indenter, Interface, PhantomLayer, Press, PressStep, Scene,
-    parse, preset, scan_preset,
+    DepthTo, Dimensions, FaceOutline, Inclusion, InclusionBody, Indenter, Interface, PhantomLayer, Press, PressStep,
+    Scene, parse, preset, scan_preset,
 };
 use std::path::Path;
 
@@ -333,7 +333,8 @@ fn by_ball() -> Scene {
 #[test]
 fn an_indenter_is_rigid_slides_and_shows_where_it_touches() {
     assert_eq!(validate(&by_ball()), Ok(()));
-    let (round, rectangle) = (Face::Round { radius_mm: 4.0 }, Face::Rectangle { half_widths_mm: [4.0; 2] });
+    let (round, rectangle) =
+        (FaceOutline::Round { radius_mm: 4.0 }, FaceOutline::Rectangle { half_widths_mm: [4.0; 2] });
     let step = |depth_mm: f64, x: f64| PressStep { depth_mm: Some(depth_mm), slide_mm: Some([x, 0.0]), hold_s: 0.0 };
     let flat = |edge_radius_mm| Some(Indenter::RoundedFlat { flat_mm: 4.0, edge_radius_mm });
     let table = |file: &str| Some(Indenter::Table { file: file.into() });

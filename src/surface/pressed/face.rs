@@ -15,7 +15,7 @@ pub struct Facet {
 }
 
 /// Facets side by side.
-pub struct Face {
+pub struct FacetMesh {
     /// Coordinates of a facet: 1 (r) or 2 (x, y).
     pub axes: usize,
     /// Which of the planes x = 0 and y = 0 mirror the face; along r the axis does.
@@ -25,7 +25,7 @@ pub struct Face {
     boxes: Vec<[[f64; 2]; 2]>,
 }
 
-impl Face {
+impl FacetMesh {
     pub fn of(pressed: &Pressed, facets: Vec<Facet>) -> Self {
         match pressed.setup.kinematics {
             Kinematics::ThreeDimensional => Self::new(2, pressed.setup.phantom.symmetry, facets),

@@ -11,7 +11,7 @@ use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::mesh::Footprint;
 use crate::mechanics::press::{ContactPoint, PressStep, Pressed, SensorBody};
 use crate::scene::LoadedScene;
-use face::{Face, Facet};
+use face::{Facet, FacetMesh};
 use sheet::Sheet;
 use std::collections::HashMap;
 
@@ -78,7 +78,7 @@ pub fn pressure_map(pressed: &Pressed, step: &PressStep, size_mm: [f64; 2], cell
 
 /// Pressure on the touched face.
 struct PressureFace {
-    face: Face,
+    face: FacetMesh,
 }
 
 impl PressureFace {
@@ -98,7 +98,7 @@ impl PressureFace {
                 values: points.iter().map(|p| p.pressure_kpa).collect(),
             }
         });
-        Self { face: Face::of(pressed, facets.collect()) }
+        Self { face: FacetMesh::of(pressed, facets.collect()) }
     }
 
     /// Pressure at a place, kPa: linear over half facets, as the contact has it; 0 off the touched face.

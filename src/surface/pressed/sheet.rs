@@ -18,8 +18,8 @@
 //! which matters where a round face is pressed in a rectangular stack, an interface levels off, straight away from the
 //! axis.
 
-use super::face::{Face, Facet};
-use crate::mechanics::element::Shape;
+use super::face::{Facet, FacetMesh};
+use crate::mechanics::element::ShapeFunctions;
 use crate::mechanics::mesh::{Footprint, Mesh};
 use crate::mechanics::press::Pressed;
 use faer::Mat;
@@ -29,7 +29,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// An interface: its displacement along z above every place, mm.
 pub struct Sheet {
-    face: Face,
+    face: FacetMesh,
     cubics: Vec<Cubic>,
     /// Which of them the corners of elements have.
     of_corner: HashMap<u32, usize>,
@@ -64,10 +64,10 @@ impl Sheet {
                 values: nodes.iter().map(|&a| moved[a as usize][up]).collect(),
             }
         });
-        Self::new(Face::of(pressed, facets.collect()), pressed.setup.phantom.footprint, LEVELLING * soft_mm)
+        Self::new(FacetMesh::of(pressed, facets.collect()), pressed.setup.phantom.footprint, LEVELLING * soft_mm)
     }
 
-    fn new(face: Face, outline: Footprint, levelling_mm: f64) -> Self {
+    fn new(face: FacetMesh, outline: Footprint, levelling_mm: f64) -> Self {
         let mut around: HashMap<u32, Vec<&Facet>> = HashMap::new();
         for facet in &face.facets {
             face.corners().iter().for_each(|&c| around.entry(facet.nodes[c]).or_default().push(facet));
@@ -142,7 +142,7 @@ impl Sheet {
             _ => [(1.0 - right) * (1.0 - back), right * (1.0 - back), (1.0 - right) * back, right * back],
         };
         let own = || {
-            let shape = Shape::at(self.face.axes, [xi[0], xi[1], 0.0]);
+            let shape = ShapeFunctions::at(self.face.axes, [xi[0], xi[1], 0.0]);
             facet.values.iter().zip(&shape.value).map(|(v, n)| v * n).sum()
         };
         let value = |&c: &usize| self.of_corner.get(&facet.nodes[c]).map_or_else(own, |&k| self.cubics[k].at(at));
@@ -161,7 +161,7 @@ struct Cubic {
 impl Cubic {
     /// The one that fits the nodes of all elements about a corner best; `None` where fewer than three elements meet (in
     /// one dimension two), mirrored ones counted: their nodes lie on too few lines.
-    fn recovered(face: &Face, corner: u32, facets: &[&Facet]) -> Option<Self> {
+    fn recovered(face: &FacetMesh, corner: u32, facets: &[&Facet]) -> Option<Self> {
         let mut nodes: BTreeMap<u32, ([f64; 2], f64)> = BTreeMap::new();
         for facet in facets {
             let carried = facet.places.iter().copied().zip(facet.values.iter().copied());
@@ -209,7 +209,7 @@ mod tests {
     use super::*;
 
     /// A grid of facets over [0, 4] x [0, 4], slanted, unequal and with kinked lines; along r if `axes` is 1.
-    fn face(axes: usize, divisions: usize, value: impl Fn([f64; 2]) -> f64) -> Face {
+    fn face(axes: usize, divisions: usize, value: impl Fn([f64; 2]) -> f64) -> FacetMesh {
         let lines = 2 * divisions + 1;
         let place = |i: usize, j: usize| {
             let [s, t] = [i, j].map(|k| k as f64 / (lines - 1) as f64);
@@ -233,7 +233,7 @@ mod tests {
             }
         };
         let count = if axes == 1 { divisions } else { divisions * divisions };
-        Face::new(axes, [true, axes == 2], (0..count).map(facet).collect())
+        FacetMesh::new(axes, [true, axes == 2], (0..count).map(facet).collect())
     }
 
     fn sheet(axes: usize, divisions: usize, value: impl Fn([f64; 2]) -> f64) -> Sheet {

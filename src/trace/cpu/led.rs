@@ -36,7 +36,7 @@ impl<T: Real> Path<'_, T> {
         table + cell(sin_sq) * TABLE_EDGE + cell(turn)
     }
 
-    pub(in crate::trace) fn led_radiance(&self, led: &Led<T>, c: T, v: V3<T>) -> T {
+    pub(in crate::trace) fn led_radiance_along(&self, led: &Led<T>, c: T, v: V3<T>) -> T {
         if c <= led.cos_cutoff {
             return T::zero();
         }
@@ -62,7 +62,7 @@ impl<T: Real> Path<'_, T> {
                 self.record(EVENT_LED + k as u32, T::one());
                 let n = self.model.layers[self.layer].n;
                 let inv = T::one() / n;
-                self.led_radiance(&self.model.leds[k], self.p.dot(axis) * inv, self.p * inv) / (n * n)
+                self.led_radiance_along(&self.model.leds[k], self.p.dot(axis) * inv, self.p * inv) / (n * n)
             }
             End::Sides => {
                 let n = self.model.surround_n;
@@ -76,7 +76,7 @@ impl<T: Real> Path<'_, T> {
                     if u * u + v * v <= led.radius * led.radius {
                         self.record(EVENT_LED + k as u32, T::one());
                         let inv = T::one() / n;
-                        return self.led_radiance(led, q * inv, self.p * inv) / (n * n);
+                        return self.led_radiance_along(led, q * inv, self.p * inv) / (n * n);
                     }
                 }
                 T::zero()

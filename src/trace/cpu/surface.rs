@@ -7,7 +7,7 @@
 use super::Path;
 use super::vec3::{V3, v3};
 use crate::trace::constants::{FAR, SAFE_STEPS, STEPPED_OVER};
-use crate::trace::model::{CapShape, FieldShape, Heights, MeshShape, Real, Shape};
+use crate::trace::model::{CapShape, Deformation, FieldShape, Heights, MeshShape, Real};
 
 /// Further than anything.
 pub fn far<T: Real>() -> T {
@@ -22,10 +22,10 @@ impl<T: Real> Path<'_, T> {
     /// First crossing of deformed interface `i` from below (side 1) or above (side -1), in units of the momentum.
     pub fn surface_cross(&mut self, i: usize, o: V3<T>, p: V3<T>, side: T, t_max: T) -> T {
         match &self.model.shape {
-            Shape::Plane => far(),
-            Shape::Cap(cap) => self.cap_cross(cap, i, o, p, side),
-            Shape::Field(field) => self.field_cross(field, i, o, p, side, t_max),
-            Shape::Mesh(mesh) => self.mesh_cross(mesh, o, p, side, t_max),
+            Deformation::Plane => far(),
+            Deformation::Cap(cap) => self.cap_cross(cap, i, o, p, side),
+            Deformation::Field(field) => self.field_cross(field, i, o, p, side, t_max),
+            Deformation::Mesh(mesh) => self.mesh_cross(mesh, o, p, side, t_max),
         }
     }
 
@@ -33,8 +33,8 @@ impl<T: Real> Path<'_, T> {
     /// any point on it (side 0).
     pub fn surface_normal(&self, i: usize, o: V3<T>, side: T) -> V3<T> {
         match &self.model.shape {
-            Shape::Plane => V3::up(),
-            Shape::Cap(cap) => {
+            Deformation::Plane => V3::up(),
+            Deformation::Cap(cap) => {
                 let (x, y) = (o.x - cap.center[0], o.y - cap.center[1]);
                 let share = self.model.faces[i].share;
                 let zeta = (o.z - self.model.faces[i].z) / share - (cap.ball - cap.depth);
@@ -45,8 +45,8 @@ impl<T: Real> Path<'_, T> {
                 if on_cap { m } else { V3::up() }
             }
             // At the crossing just found.
-            Shape::Field(_) => v3(-self.field_slope[0], -self.field_slope[1], T::one()).normalize(),
-            Shape::Mesh(_) => {
+            Deformation::Field(_) => v3(-self.field_slope[0], -self.field_slope[1], T::one()).normalize(),
+            Deformation::Mesh(_) => {
                 let [smooth, facet] = self.mesh_normals;
                 let across = self.p.dot(facet);
                 let along = self.p.dot(smooth);
@@ -61,19 +61,19 @@ impl<T: Real> Path<'_, T> {
     pub fn surface_height(&mut self, i: usize, x: T, y: T) -> T {
         let face = self.model.faces[i];
         match &self.model.shape {
-            Shape::Plane => face.z,
-            Shape::Cap(cap) => {
+            Deformation::Plane => face.z,
+            Deformation::Cap(cap) => {
                 let (dx, dy) = (x - cap.center[0], y - cap.center[1]);
                 let r_sq = dx * dx + dy * dy;
                 let h = cap.ball - cap.depth - (cap.ball * cap.ball - r_sq).max(T::zero()).sqrt();
                 face.z + face.share * if r_sq < cap.rim_sq { h } else { T::zero() }
             }
-            Shape::Field(field) => {
+            Deformation::Field(field) => {
                 let h = self.field_at(field, i, x, y);
                 self.field_slope = [h[1], h[2]];
                 face.z + h[0]
             }
-            Shape::Mesh(mesh) => {
+            Deformation::Mesh(mesh) => {
                 let low = face.z + face.low - T::one();
                 let t = self.mesh_cross(mesh, v3(x, y, low), V3::up(), T::one(), far());
                 if t >= far() { face.z } else { low + t }

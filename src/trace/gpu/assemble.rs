@@ -19,7 +19,7 @@ use crate::trace::constants;
 use crate::trace::cpu::Limits;
 use crate::trace::kernel::{Kernel, ShapePiece};
 use crate::trace::leds::Led;
-use crate::trace::model::{Face, Heights, Layer, Model, Shape};
+use crate::trace::model::{Deformation, Face, Heights, Layer, Model};
 use crate::trace::modes::{CameraMode, PhotonMode};
 use crate::trace::scatter::Scatter;
 
@@ -89,11 +89,11 @@ pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> (String, Num
     (pieces.concat(), numbers)
 }
 
-/// `read_scene`, and functions `layer_FIELD(k)`, `face_FIELD(i)` and `lamp_FIELD(k)` with the scene's numbers: chains
+/// `read_scene`, and functions `layer_FIELD(k)`, `face_FIELD(i)` and `led_FIELD(k)` with the scene's numbers: chains
 /// of selects over them.
 fn accessors(model: &Model<f32>) -> (String, Numbers) {
     let field_vectors = match &model.shape {
-        Shape::Field(f) => match &f.heights {
+        Deformation::Field(f) => match &f.heights {
             Heights::Grid { size, .. } => (size[0] - 1) * (size[1] + 2),
             Heights::Profile { cells, .. } => cells.first().map_or(0, Vec::len),
         },
@@ -123,27 +123,27 @@ fn accessors(model: &Model<f32>) -> (String, Numbers) {
     float("face_rough", face(|f| f.rough));
     float("face_alpha", face(|f| f.alpha));
     let led = |get: fn(&Led<f32>) -> f32| model.leds.iter().map(get).collect();
-    float("lamp_along", led(|l| l.along));
-    float("lamp_height", led(|l| l.height));
-    float("lamp_radius", led(|l| l.radius));
-    float("lamp_gap", led(|l| l.gap));
-    float("lamp_radiance", led(|l| l.radiance));
-    float("lamp_exponent", led(|l| l.exponent));
-    float("lamp_cos_cutoff", led(|l| l.cos_cutoff));
-    float("lamp_launch", led(|l| l.launch));
-    float("lamp_aim_low", led(|l| l.aim[0]));
-    float("lamp_aim_high", led(|l| l.aim[1]));
+    float("led_along", led(|l| l.along));
+    float("led_height", led(|l| l.height));
+    float("led_radius", led(|l| l.radius));
+    float("led_gap", led(|l| l.gap));
+    float("led_radiance", led(|l| l.radiance));
+    float("led_exponent", led(|l| l.exponent));
+    float("led_cos_cutoff", led(|l| l.cos_cutoff));
+    float("led_launch", led(|l| l.launch));
+    float("led_aim_low", led(|l| l.aim[0]));
+    float("led_aim_high", led(|l| l.aim[1]));
     let word = |v: usize| format!("{v}u");
-    accessor(&mut text, "lamp_wall", "u32", model.leds.iter().map(|l| word(l.wall as usize)));
-    accessor(&mut text, "lamp_air", "u32", model.leds.iter().map(|l| word(usize::from(l.air))));
-    accessor(&mut text, "lamp_table", "u32", model.leds.iter().map(|l| word(l.table.unwrap_or(u32::MAX as usize))));
+    accessor(&mut text, "led_wall", "u32", model.leds.iter().map(|l| word(l.wall as usize)));
+    accessor(&mut text, "led_air", "u32", model.leds.iter().map(|l| word(usize::from(l.air))));
+    accessor(&mut text, "led_table", "u32", model.leds.iter().map(|l| word(l.table.unwrap_or(u32::MAX as usize))));
     let mut picked = |name: &str, cumulative: fn(&Led<f32>) -> f32| {
         let past = model.leds.iter().rev().skip(1);
         let past = past.map(|l| format!(" + select(0u, 1u, u >= {})", numbers.hold(cumulative(l))));
         text.push_str(&format!("fn {name}(u: f32) -> u32 {{ return 0u{}; }}\n", past.collect::<String>()));
     };
-    picked("lamp_picked", |l| l.cumulative);
-    picked("lamp_picked_aimed", |l| l.cumulative_aimed);
+    picked("led_picked", |l| l.cumulative);
+    picked("led_picked_aimed", |l| l.cumulative_aimed);
     if let Some(Scatter::HalfSpace(tissue)) = model.tissue.as_ref().map(|t| t.scatter) {
         let term = |[place, weight]: [f32; 2]| format!("{} / ({} + mu)", numbers.hold(weight), numbers.hold(place));
         text.push_str(&format!("fn h_terms(mu: f32) -> f32 {{ return {}; }}\n", tissue.terms.map(term).join(" + ")));

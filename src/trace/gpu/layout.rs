@@ -4,7 +4,7 @@ use crate::trace::constants::{
     LATTICE_AZIMUTH, LATTICE_LED, LATTICE_POLAR, LATTICE_RADIUS, LATTICE_SIDE, LATTICE_TURN,
 };
 use crate::trace::cpu::random::shift;
-use crate::trace::model::{Heights, Model, Shape};
+use crate::trace::model::{Deformation, Heights, Model};
 use crate::trace::scatter::Scatter;
 use bytemuck::{Pod, Zeroable};
 
@@ -180,18 +180,18 @@ pub fn scene(m: &Model<f32>) -> Scene {
         }
     }
     match &m.shape {
-        Shape::Cap(c) => {
+        Deformation::Cap(c) => {
             (out.ball_radius, out.cap_depth) = (c.ball, c.depth);
             (out.cap_center, out.cap_rim_sq) = (c.center, c.rim_sq);
         }
-        Shape::Field(f) => {
+        Deformation::Field(f) => {
             out.field_center = f.center;
             (out.field_size, out.field_scale) = match &f.heights {
                 Heights::Grid { size: points, per_mm, .. } => (size(*points), *per_mm),
                 Heights::Profile { per_mm, cells } => (size([cells.first().map_or(0, Vec::len), 1]), [*per_mm; 2]),
             };
         }
-        Shape::Plane | Shape::Mesh(_) => {}
+        Deformation::Plane | Deformation::Mesh(_) => {}
     }
     out
 }
@@ -199,15 +199,15 @@ pub fn scene(m: &Model<f32>) -> Scene {
 /// The deformed shape: words of bindings 8 and 9 of the surface pieces.
 pub fn shape(m: &Model<f32>) -> (Vec<f32>, Vec<f32>) {
     match &m.shape {
-        Shape::Plane | Shape::Cap(_) => (Vec::new(), Vec::new()),
-        Shape::Field(f) => match &f.heights {
+        Deformation::Plane | Deformation::Cap(_) => (Vec::new(), Vec::new()),
+        Deformation::Field(f) => match &f.heights {
             Heights::Grid { size, control, .. } => {
                 let rows = control.iter().flat_map(|c| c.chunks(size[0] + 2));
                 (rows.flat_map(|row| row.windows(4).flatten().copied()).collect(), Vec::new())
             }
             Heights::Profile { cells, .. } => (cells.iter().flatten().flatten().copied().collect(), Vec::new()),
         },
-        Shape::Mesh(mesh) => {
+        Deformation::Mesh(mesh) => {
             let word = f32::from_bits;
             let node = |n: &crate::surface::mesh::Node| {
                 let ([a, b, c], [d, e, f]) = (n.low, n.high);

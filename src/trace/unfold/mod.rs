@@ -177,7 +177,7 @@ fn radiance(path: &Path<f64>, spot: &Spot, led: &Led<f64>, row: &Row, term: &Ter
     // Against the light, as a camera path arrives.
     let [x, y] = spot.back([0.0; 2], way.map(|way| sin * way));
     let z = if m.is_multiple_of(2) { -rise } else { rise };
-    path.led_radiance(led, sin * way[0], V3 { x, y, z })
+    path.led_radiance_along(led, sin * way[0], V3 { x, y, z })
 }
 
 /// For the mirrors of a path on the touched face: what those below tissue reflect over what they would without.

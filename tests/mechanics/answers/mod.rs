@@ -12,7 +12,7 @@ pub mod sphere;
 
 use std::time::Instant;
 use tirtouch::mechanics::mesh::{Boundary, Mesh};
-use tirtouch::mechanics::newton::{Method, Solver};
+use tirtouch::mechanics::newton::{LinearSolver, Solver};
 use tirtouch::mechanics::path::{PathError, follow};
 use tirtouch::mechanics::problem::{Problem, State, Support};
 pub use tirtouch::stability::solved::{graded, held};
@@ -44,7 +44,7 @@ impl Solved {
     /// Solves in asked steps of the load.
     pub fn new(problem: Problem, loads: &[f64]) -> Result<Self, PathError> {
         let start = Instant::now();
-        let mut solver = Solver::new(&problem, Method::Direct);
+        let mut solver = Solver::new(&problem, LinearSolver::Direct);
         let state = follow(&mut solver, problem.start(), &mut None, loads, &mut |_| true)?;
         let (iterations, seconds) = (solver.iterations, start.elapsed().as_secs_f64());
         Ok(Self { problem, state, iterations, seconds })

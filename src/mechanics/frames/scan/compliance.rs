@@ -13,7 +13,7 @@ use crate::mechanics::material::Material;
 use crate::mechanics::mesh::{Boundary, Facet, Footprint, Mesh};
 use crate::mechanics::problem::{Problem, State};
 use crate::mechanics::solid::{element_system, tangent_bulk_kpa};
-use crate::mechanics::sparse::{SparseCholesky, SparseError};
+use crate::mechanics::sparse::{SparseError, SparseLdl};
 use faer::Mat;
 use faer::prelude::Solve;
 use std::collections::BTreeSet;
@@ -217,14 +217,14 @@ fn active(contact: &Contact, gaps: &[NodeGap], pressure: &[f64]) -> Vec<usize> {
 }
 
 /// The tissue's stiffness, factorised.
-fn assembled(setup: &ScanSetup, mesh: &Mesh, equation: &[u32]) -> Result<SparseCholesky, SparseError> {
+fn assembled(setup: &ScanSetup, mesh: &Mesh, equation: &[u32]) -> Result<SparseLdl, SparseError> {
     let groups: Vec<Vec<u32>> = (0..mesh.element_count()).map(|e| mesh.element(e).to_vec()).collect();
     let mut first = vec![0];
     for unknowns in equation.chunks(2) {
         let free = unknowns.iter().filter(|e| **e != NONE).count() as u32;
         first.push(first.last().map_or(0, |last| last + free));
     }
-    let mut system = SparseCholesky::new(first, &mesh.nodes, &groups)?;
+    let mut system = SparseLdl::new(first, &mesh.nodes, &groups)?;
     let still = vec![[0.0; 3]; mesh.element_size()];
     let bulk = Some(tangent_bulk_kpa(&setup.materials));
     for e in 0..mesh.element_count() {

@@ -5,7 +5,7 @@ use super::compliance::{Balanced, Compliance};
 use crate::mechanics::contact::{Contact, Counterpart};
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::mesh::{Boundary, Facet, Mesh};
-use crate::mechanics::newton::{Method, Solver};
+use crate::mechanics::newton::{LinearSolver, Solver};
 use crate::mechanics::path::{PathError, follow};
 use crate::mechanics::press::assembly::supports;
 use crate::mechanics::problem::{Problem, State};
@@ -39,7 +39,7 @@ pub(super) fn press(
     observe: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Pressed, PathError> {
     let problem = problem(setup, mesh, position_mm, &mesh.boundary_facets(Boundary::Touched));
-    let mut solver = Solver::new(&problem, Method::Direct);
+    let mut solver = Solver::new(&problem, LinearSolver::Direct);
     let state = follow(&mut solver, problem.start(), &mut None, &[setup.depth_mm], observe)?;
     let iterations = solver.iterations;
     Ok(Pressed { state, iterations, problem })
