@@ -40,4 +40,6 @@ pub mod scene;
 pub mod stability;
 pub mod streams;
 pub mod surface;
+pub mod sweep;
 pub mod trace;
+pub mod vary;

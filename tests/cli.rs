@@ -33,6 +33,8 @@ mod jobs;
 mod press;
 #[path = "cli/stability.rs"]
 mod stability;
+#[path = "cli/sweep.rs"]
+mod sweep;
 
 fn tirtouch(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tirtouch")).args(arguments).output().unwrap()

@@ -3,6 +3,7 @@
 use super::Failure;
 use crate::scene::Integrator;
 use crate::trace::{self, BackendChoice, Devices, Settings};
+use crate::vary::Set;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -56,6 +57,9 @@ pub struct Common {
     /// Press the phantom without its inclusions, on the same mesh: makes a reference frame.
     #[arg(long)]
     pub without_inclusions: bool,
+    /// Set a key of the scene, as in stack.layer[0].n=1.42; may be given again.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<Set>,
     #[command(flatten)]
     #[allow(missing_docs)] // a doc comment here would replace the command's help
     pub talk: Talk,

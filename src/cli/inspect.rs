@@ -1,6 +1,6 @@
 //! `inspect`: what was understood of a scene, and what a render of it would do.
 
-use super::job::{Job, check_light, watched};
+use super::job::{Job, check_light, open_with, watched};
 use super::pressing::PressFailure;
 use super::{Failure, Outcome, Talk, print};
 use crate::mechanics::from_scene::press_cost;
@@ -8,10 +8,11 @@ use crate::pages::facts::columns;
 use crate::pages::inspection::{Device, Seen, cost_json, cost_text};
 use crate::pages::regimes::layers;
 use crate::pipeline::Prepared;
-use crate::scene::{LoadedScene, open};
+use crate::scene::LoadedScene;
 use crate::streams::{Role, Streams};
 use crate::trace::gains::{Gain, gains, small};
 use crate::trace::{BackendChoice, Devices, Kernel, Plan, Precision};
+use crate::vary::Set;
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -28,18 +29,21 @@ pub(super) struct Inspect {
     /// Rounds of that.
     #[arg(long, value_name = "N", default_value_t = 5, requires = "gains", value_parser = clap::value_parser!(u32).range(2..=100), allow_negative_numbers = true)]
     rounds: u32,
+    /// Set a key of the scene, as in stack.layer[0].n=1.42; may be given again.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<Set>,
     #[command(flatten)]
     talk: Talk,
 }
 
 impl Inspect {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (loaded, file) = open(&self.scene)?;
+        let (loaded, file) = open_with(&self.scene, &self.set)?;
         if check_light(&loaded, &file).is_err() && !self.gains {
             return self.mechanics(&loaded, &file).map(|()| Outcome::Done);
         }
         check_light(&loaded, &file)?;
-        let prepared = Job::sketch(&self.scene)?;
+        let prepared = Job::sketch(&self.scene, &self.set)?;
         let model = &prepared.model;
         let devices = Devices::open(BackendChoice::Auto, Precision::F32);
         let kernel = Kernel::of(model);

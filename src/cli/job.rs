@@ -11,6 +11,7 @@ use crate::scene::{LoadedScene, open};
 use crate::streams::Sharing;
 use crate::surface::SurfaceError;
 use crate::trace::{Devices, Precision};
+use crate::vary::{self, Set};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -21,6 +22,12 @@ pub(super) struct Job {
     order: Order,
     file: PathBuf,
     quiet: bool,
+}
+
+/// The scene of a file or a preset with keys set by hand, and the name it goes by in messages.
+pub(super) fn open_with(source: &Path, sets: &[Set]) -> Result<(LoadedScene, PathBuf), Failure> {
+    let (loaded, file) = open(source)?;
+    Ok((vary::with(loaded, &file, sets)?, file))
 }
 
 /// Refuses a scene whose light cannot be traced.
@@ -37,8 +44,9 @@ impl Job {
     }
 
     /// A look at a scene, which traces nothing.
-    pub fn sketch(source: &Path) -> Result<Prepared, Failure> {
-        let mut job = Self::new(source, &Common::default(), || Ok(Devices::cpu(Precision::F32)))?;
+    pub fn sketch(source: &Path, set: &[Set]) -> Result<Prepared, Failure> {
+        let common = Common { set: set.to_vec(), ..Common::default() };
+        let mut job = Self::new(source, &common, || Ok(Devices::cpu(Precision::F32)))?;
         (job.order.sketch, job.quiet) = (true, true);
         job.prepare()
     }
@@ -48,7 +56,7 @@ impl Job {
         common: &Common,
         devices: impl FnOnce() -> Result<Devices, Failure>,
     ) -> Result<Self, Failure> {
-        let (loaded, file) = open(source)?;
+        let (loaded, file) = open_with(source, &common.set)?;
         let order = Order {
             settings: common.settings(&loaded.scene.render),
             sharing: if common.common_random_numbers { Sharing::Common } else { Sharing::Own },
@@ -79,9 +87,9 @@ impl Job {
     }
 
     /// The same load without inclusions.
-    pub fn baseline(&self, prepared: &Prepared) -> Result<Prepared, Failure> {
-        watched(self.quiet, |observe| self.session.baseline(prepared, observe))
-            .map_err(|error| failure(error, &self.file))
+    pub fn baseline(&mut self, prepared: &Prepared) -> Result<Prepared, Failure> {
+        let Self { session, file, quiet, .. } = self;
+        watched(*quiet, |observe| session.baseline(prepared, observe)).map_err(|error| failure(error, file))
     }
 
     /// Traces the image and exposes it.

@@ -26,6 +26,7 @@ mod render;
 mod run;
 mod schema;
 mod stability;
+mod sweep;
 mod usage;
 
 pub use error::{Failure, Outcome};
@@ -60,6 +61,7 @@ enum Command {
     Frames(frames::FramesCommand),
     Converge(converge::Converge),
     Stability(stability::Stability),
+    Sweep(sweep::SweepCommand),
     Inspect(inspect::Inspect),
     Schema(schema::Schema),
 }
@@ -77,6 +79,7 @@ impl Command {
             Self::Frames(frames) => frames.run(),
             Self::Converge(converge) => converge.run(),
             Self::Stability(stability) => stability.run(),
+            Self::Sweep(sweep) => sweep.run(),
             Self::Inspect(inspect) => inspect.run(),
             Self::Schema(schema) => schema.run(),
         }

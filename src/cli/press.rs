@@ -1,7 +1,7 @@
 //! `press`: mechanics only.
 
 use super::command::{self, command_line};
-use super::job::press_scene;
+use super::job::{open_with, press_scene};
 use super::pressing::PressFailure;
 use super::{Failure, Outcome, Talk, print};
 use crate::mechanics::press::{PressError, Pressed};
@@ -11,7 +11,8 @@ use crate::pages::press::press_report;
 use crate::pages::press::press_rows;
 use crate::pages::press_files::write_press;
 use crate::pipeline::{PressSummary, Truth};
-use crate::scene::{LoadedScene, open};
+use crate::scene::LoadedScene;
+use crate::vary::Set;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -32,13 +33,16 @@ pub(super) struct Press {
     /// Press the phantom without its inclusions, on the same mesh.
     #[arg(long)]
     without_inclusions: bool,
+    /// Set a key of the scene, as in stack.layer[0].n=1.42; may be given again.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<Set>,
     #[command(flatten)]
     talk: Talk,
 }
 
 impl Press {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (loaded, file) = open(&self.scene)?;
+        let (loaded, file) = open_with(&self.scene, &self.set)?;
         if loaded.scene.press.is_none() {
             let message = format!("{}: {}", file.display(), PressError::NoPress);
             return Err(Failure::input(message).in_file(&file).at_key("press"));

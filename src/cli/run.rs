@@ -54,7 +54,7 @@ pub(super) fn whole_job(
     let prepared = job.prepare()?;
     let scene = prepared.scene();
     let reference = match reading.subtract_baseline {
-        true => Some(baseline(&job, &prepared, &folder)?),
+        true => Some(baseline(&mut job, &prepared, &folder)?),
         false => reading.reference(&scene.camera)?,
     };
     let earlier = match loads {
@@ -97,7 +97,7 @@ pub(super) fn whole_job(
 }
 
 /// The frame of the same press without inclusions, with random numbers of its own; written as baseline.png.
-fn baseline(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Result<Reference, Failure> {
+fn baseline(job: &mut Job, prepared: &Prepared, folder: &OutputFolder) -> Result<Reference, Failure> {
     let baseline = job.baseline(prepared)?;
     let shot = job.shoot(&baseline)?;
     shot.frame.write_png(&folder.path("baseline.png"))?;

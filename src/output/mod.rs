@@ -9,9 +9,11 @@ mod error;
 mod folder;
 pub mod leftovers;
 mod records;
+mod worker;
 
 pub use claim::Claim;
 pub use contents::{RESULT, SCENE, described};
 pub use error::{OutputError, Remedy};
 pub use folder::{Finished, OutputFolder};
-pub use records::Records;
+pub use records::{Item, Records};
+pub use worker::Claimed;

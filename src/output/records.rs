@@ -1,7 +1,8 @@
 //! A folder that keeps one record for each item, each written whole or not at all, so that a stopped run can go on.
 
 use super::leftovers::leftovers;
-use super::{Claim, OutputError, RESULT, Remedy, SCENE};
+use super::worker::{self, CLAIMS, WORKERS, Worker};
+use super::{Claim, Claimed, OutputError, RESULT, Remedy, SCENE};
 use crate::film::{Film, RADIANCE_UNIT};
 use crate::image_io::{Provenance, read_radiance, write_radiance};
 use serde::Serialize;
@@ -13,13 +14,37 @@ use std::path::{Path, PathBuf};
 /// Where the records are, and what they belong to.
 const ITEMS: &str = "items";
 const ORDER: &str = "order.json";
+/// Files beside the records.
+const TABLES: [&str; 9] =
+    [SCENE, RESULT, "sweep.toml", "points.csv", "times.csv", "sensitivity.csv", "report.html", "README.md", "job.sh"];
 /// An image that is being written.
 const PARTIAL: &str = "partial";
 
 /// The folder.
 pub struct Records {
     folder: PathBuf,
-    _claim: Claim,
+    hold: Hold,
+}
+
+/// Who else may write it.
+enum Hold {
+    /// Nobody.
+    Alone(#[allow(dead_code)] Claim),
+    /// Other workers, each of which claims what it computes.
+    Shared(Worker),
+    /// It is only read.
+    Read,
+}
+
+/// What is kept of an item.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Item<T> {
+    /// It.
+    There(T),
+    /// Nothing.
+    Missing,
+    /// Something that cannot be read: it is as good as missing.
+    Damaged,
 }
 
 impl Records {
@@ -30,14 +55,15 @@ impl Records {
     /// anything that was not written here, or cannot be written.
     pub fn open(folder: &Path, order: &Value, force: bool, resume: bool) -> Result<Self, OutputError> {
         let refused = |why: &str, remedy| Err(OutputError::refused(folder, why, remedy));
-        let records = Self { folder: folder.into(), _claim: Claim::take(folder)? };
+        let records = Self { folder: folder.into(), hold: Hold::Alone(Claim::take(folder)?) };
         let old: Option<Value> = records.read_json(ORDER);
         match (folder.symlink_metadata().is_ok(), old) {
             (false, _) if resume => return refused("is not there to go on with", Remedy::Mend),
             (false, _) => {}
             (true, Some(old)) if resume => {
                 if old != *order {
-                    return refused("holds the records of another scene or order", Remedy::Elsewhere);
+                    let why = format!("holds the records of another scene or order: {}", difference(&old, order));
+                    return refused(&why, Remedy::Elsewhere);
                 }
             }
             (true, Some(_)) if force => {
@@ -59,18 +85,97 @@ impl Records {
         Ok(records)
     }
 
-    fn item(&self, name: &str) -> PathBuf {
+    /// Enters a folder as one worker of several. One that is not there yet is made; one that is there is entered where
+    /// `resume` asks for it, or replaced by `force` where no other worker is in it.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn join(folder: &Path, order: &Value, force: bool, resume: bool) -> Result<Self, OutputError> {
+        if !(resume && folder.join(ITEMS).join(ORDER).is_file()) {
+            if force && worker::alive(folder) > 0 {
+                return Err(OutputError::refused(folder, "other workers are in it", Remedy::Elsewhere));
+            }
+            // Alone while it is made.
+            drop(Self::open(folder, order, force, false)?);
+        }
+        let shared = Self { folder: folder.into(), hold: Hold::Shared(Worker::new(folder)?) };
+        let old: Value = shared.read_json(ORDER).unwrap_or_default();
+        if old != *order {
+            let why = format!("holds the records of another order: {}", difference(&old, order));
+            return Err(OutputError::refused(folder, why, Remedy::Elsewhere));
+        }
+        leftovers().keep(format!("what was done is in {}", folder.display()));
+        Ok(shared)
+    }
+
+    /// The records of a folder, to be read, and their order.
+    ///
+    /// # Errors
+    /// When the folder holds none.
+    pub fn read(folder: &Path) -> Result<(Self, Value), OutputError> {
+        let records = Self { folder: folder.into(), hold: Hold::Read };
+        match records.read_json(ORDER) {
+            Some(order) => Ok((records, order)),
+            None => Err(OutputError::refused(folder, "holds no records", Remedy::Mend)),
+        }
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Workers that are in it.
+    pub fn workers(&self) -> usize {
+        worker::alive(&self.folder)
+    }
+
+    /// Claims an item for this worker; alone, all are its own.
+    ///
+    /// # Errors
+    /// When no claim can be written.
+    pub fn claim(&self, name: &str) -> Result<Claimed, OutputError> {
+        match &self.hold {
+            Hold::Shared(worker) => worker.claim(name),
+            Hold::Alone(_) | Hold::Read => Ok(Claimed::Ours),
+        }
+    }
+
+    /// Lets go of an item that was claimed.
+    pub fn let_go(&self, name: &str) {
+        if let Hold::Shared(worker) = &self.hold {
+            worker.let_go(name);
+        }
+    }
+
+    /// What is kept of an item.
+    pub fn item<T: DeserializeOwned>(&self, name: &str) -> Item<T> {
+        match std::fs::read(self.place(&format!("{name}.json"))) {
+            Ok(bytes) => serde_json::from_slice(&bytes).map_or(Item::Damaged, Item::There),
+            Err(_) => Item::Missing,
+        }
+    }
+
+    /// Keeps an item.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn keep_item<T: Serialize>(&self, name: &str, value: &T) -> Result<(), OutputError> {
+        self.keep(&format!("{name}.json"), value)
+    }
+
+    fn place(&self, name: &str) -> PathBuf {
         self.folder.join(ITEMS).join(name)
     }
 
     fn read_json<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
-        serde_json::from_slice(&std::fs::read(self.item(name)).ok()?).ok()
+        serde_json::from_slice(&std::fs::read(self.place(name)).ok()?).ok()
     }
 
     fn keep<T: Serialize>(&self, name: &str, value: &T) -> Result<(), OutputError> {
         let text =
-            serde_json::to_string(value).map_err(|error| OutputError::failed(&self.item(name), error.to_string()))?;
-        self.write_at(&self.item(name), text.as_bytes())
+            serde_json::to_string(value).map_err(|error| OutputError::failed(&self.place(name), error.to_string()))?;
+        self.write_at(&self.place(name), text.as_bytes())
     }
 
     /// The item `name`: as it was kept, or made now and kept.
@@ -96,7 +201,7 @@ impl Records {
     /// # Errors
     /// That of making it, or when it cannot be written.
     pub fn film_or<E: From<OutputError>>(&self, name: &str, make: impl FnOnce() -> Result<Film, E>) -> Result<Film, E> {
-        let path = self.item(&format!("{name}.exr"));
+        let path = self.place(&format!("{name}.exr"));
         if let Ok((film, _)) = read_radiance(&path) {
             return Ok(film);
         }
@@ -115,7 +220,19 @@ impl Records {
     /// # Errors
     /// When it cannot be written.
     pub fn write(&self, name: &str, text: &str) -> Result<(), OutputError> {
-        self.write_at(&self.folder.join(name), text.as_bytes())
+        self.write_bytes(name, text.as_bytes())
+    }
+
+    /// The same of bytes; `name` may lie in a folder of this one, which is made.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write_bytes(&self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
+        let path = self.folder.join(name);
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent).map_err(|error| unwritable(parent, &error))?;
+        }
+        self.write_at(&path, bytes)
     }
 
     fn write_at(&self, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
@@ -138,9 +255,9 @@ fn strange(folder: &Path) -> Option<PathBuf> {
         let name = named(path);
         let figures = name.starts_with("converge") && (name.ends_with(".csv") || name.ends_with(".svg"));
         match path.is_dir() {
-            true => name == ITEMS,
+            true => [ITEMS, CLAIMS, WORKERS, "images"].contains(&name.as_str()),
             // `.tmp...` is what a killed run was writing.
-            false => figures || name == SCENE || name == RESULT || name.starts_with(".tmp"),
+            false => figures || TABLES.contains(&name.as_str()) || name.starts_with(".tmp"),
         }
     };
     let is_item = |path: &PathBuf| {
@@ -149,6 +266,44 @@ fn strange(folder: &Path) -> Option<PathBuf> {
     };
     let items = folder.join(ITEMS);
     entries(folder).find(|path| !is_ours(path)).or_else(|| entries(&items).find(|path| !is_item(path)))
+}
+
+/// Where two orders differ first, in words.
+fn difference(old: &Value, new: &Value) -> String {
+    fn walk(at: &str, old: &Value, new: &Value) -> Option<String> {
+        let shown = |value: &Value| match value {
+            Value::String(text) => format!("{:?}", text.chars().take(60).collect::<String>()),
+            other => other.to_string().chars().take(60).collect(),
+        };
+        match (old, new) {
+            (old, new) if old == new => None,
+            (Value::Object(a), Value::Object(b)) => {
+                let keys = a.keys().chain(b.keys().filter(|key| !a.contains_key(*key)));
+                let none = Value::Null;
+                let one = |key: &String| {
+                    let at = if at.is_empty() { key.clone() } else { format!("{at}.{key}") };
+                    walk(&at, a.get(key).unwrap_or(&none), b.get(key).unwrap_or(&none))
+                };
+                keys.into_iter().find_map(one)
+            }
+            (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+                a.iter().zip(b).enumerate().find_map(|(k, (old, new))| walk(&format!("{at}[{k}]"), old, new))
+            }
+            // Texts of files: the first line that differs.
+            (Value::String(a), Value::String(b)) if a.contains('\n') && b.contains('\n') => {
+                let (mut old, mut new) = (a.lines(), b.lines());
+                (1..).find_map(|line| match (old.next(), new.next()) {
+                    (a, b) if a == b && a.is_some() => None,
+                    (a, b) => {
+                        let said = |text: Option<&str>| text.map_or("nothing".to_owned(), |text| format!("{text:?}"));
+                        Some(format!("line {line} of {at} is {} there and {} here", said(a), said(b)))
+                    }
+                })
+            }
+            (old, new) => Some(format!("{at} is {} there and {} here", shown(old), shown(new))),
+        }
+    }
+    walk("", old, new).unwrap_or_default()
 }
 
 fn unwritable(path: &Path, error: &std::io::Error) -> OutputError {

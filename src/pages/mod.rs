@@ -19,6 +19,7 @@ pub mod run;
 pub mod shot;
 mod side;
 pub mod stability;
+pub mod sweep;
 pub mod truth;
 
 pub use error::PageError;

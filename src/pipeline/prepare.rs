@@ -24,6 +24,8 @@ pub struct Order {
     pub near: bool,
     /// For a quick look: a press on a coarse mesh, without an estimate of its error.
     pub sketch: bool,
+    /// What the random numbers know the scene as, in place of its own identity: scenes known as one draw the same.
+    pub known_as: Option<Arc<str>>,
 }
 
 impl Order {
@@ -31,13 +33,14 @@ impl Order {
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let settings = Settings::of(&scene.render);
-        Self { settings, sharing: Sharing::Own, without_inclusions: false, near: false, sketch: false }
+        Self { settings, sharing: Sharing::Own, without_inclusions: false, near: false, sketch: false, known_as: None }
     }
 
     /// The random numbers of the scene's first load.
     pub(super) fn streams(&self, loaded: &LoadedScene) -> Streams {
         let role = if self.without_inclusions { Role::WithoutInclusions } else { Role::Image };
-        Streams { sharing: self.sharing, ..Streams::new(self.settings.seed, loaded.identity(), role) }
+        let identity = self.known_as.as_ref().map_or_else(|| loaded.identity(), ToString::to_string);
+        Streams { sharing: self.sharing, ..Streams::new(self.settings.seed, identity, role) }
     }
 }
 

@@ -20,6 +20,8 @@ const SKETCHED_UNKNOWNS: usize = 30_000;
 pub struct Session {
     devices: Devices,
     presses: VecDeque<Kept>,
+    /// Presses without inclusions, each with the press that it started from.
+    baselines: VecDeque<(Setup, Arc<Pressed>, Arc<Pressed>)>,
 }
 
 /// A press by what it was asked.
@@ -101,15 +103,26 @@ impl Session {
     ///
     /// # Errors
     /// As [`Self::prepare`]; `NoBaseline` where nothing is pressed.
-    pub fn baseline(&self, prepared: &Prepared, observe: &mut Observer) -> Result<Prepared, PipelineError> {
-        let Some((pressed, step)) = prepared.pressed() else { return Err(PipelineError::NoBaseline) };
+    pub fn baseline(&mut self, prepared: &Prepared, observe: &mut Observer) -> Result<Prepared, PipelineError> {
+        let (Some((pressed, step)), Some((from, _))) = (prepared.pressed(), &prepared.press) else {
+            return Err(PipelineError::NoBaseline);
+        };
         // The traced load, at the depth that it reached, or the steps that lead to it.
         let load = match (&pressed.setup.load, &prepared.press) {
             (Load::Path(poses), Some((_, load))) => Load::Path(poses.iter().take(load + 1).copied().collect()),
             _ => Load::Depths(vec![step.depth_mm]),
         };
         let setup = Setup { load, ..pressed.setup.without_inclusions() };
-        let baseline = Arc::new(press_near(&setup, Some(pressed), PressSettings::default(), observe)?);
+        let same = |(kept, start, _): &&(Setup, Arc<Pressed>, Arc<Pressed>)| *kept == setup && Arc::ptr_eq(start, from);
+        let baseline = match self.baselines.iter().find(same) {
+            Some((_, _, baseline)) => baseline.clone(),
+            None => {
+                let baseline = Arc::new(press_near(&setup, Some(pressed), PressSettings::default(), observe)?);
+                self.baselines.truncate(KEPT_PRESSES - 1);
+                self.baselines.push_front((setup, from.clone(), baseline.clone()));
+                baseline
+            }
+        };
         let streams = Streams { role: Role::Baseline, ..prepared.streams.clone() };
         let last = baseline.steps.len().saturating_sub(1);
         Prepared::new(prepared.loaded.clone(), Some((baseline, last)), prepared.settings.clone(), streams)
@@ -126,7 +139,7 @@ impl Session {
 
 impl From<Devices> for Session {
     fn from(devices: Devices) -> Self {
-        Self { devices, presses: VecDeque::new() }
+        Self { devices, presses: VecDeque::new(), baselines: VecDeque::new() }
     }
 }
 

@@ -376,7 +376,7 @@ impl PressSummary {
 
 impl StepSummary {
     /// Of a load; `estimated`: whether errors were to be.
-    fn of(step: &PressStep, estimated: bool) -> Self {
+    pub(crate) fn of(step: &PressStep, estimated: bool) -> Self {
         let without = match (estimated, step.force_n) {
             (false, _) => "press.estimate_error is off",
             (true, 0.0) => "nothing is borne, of which an error were a share",

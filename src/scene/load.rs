@@ -94,7 +94,8 @@ pub fn load_scan(path: &Path) -> Result<LoadedScan, SceneError> {
     Ok(loaded)
 }
 
-fn read_text(path: &Path) -> Result<String, SceneError> {
+/// The text of a file of this program's.
+pub(crate) fn read_text(path: &Path) -> Result<String, SceneError> {
     let bytes = read_limited(path, MAX_BYTES).map_err(|error| {
         SceneError::of_file(error.kind, path, format!("{}; a scene is a TOML file of some kilobytes", error.message))
     })?;
@@ -131,7 +132,7 @@ fn read_named(text: &str, path: &Path, inputs: &mut Inputs, files: Vec<(String, 
 /// # Errors
 /// When the text is no scene or breaks a rule.
 pub fn parse(text: &str, origin: &Path) -> Result<LoadedScene, SceneError> {
-    parse_as(text, origin, &schema::schema(), validate::validate).map_err(|error| match error.key.as_deref() {
+    parse_file(text, origin, &schema::schema(), validate::validate).map_err(|error| match error.key.as_deref() {
         Some("scan") if error.kind == "unknown_key" => {
             let message = "makes this a scan scene, which frames takes; here a scene of a sensor is needed".to_owned();
             SceneError { message, ..error }
@@ -145,10 +146,20 @@ pub fn parse(text: &str, origin: &Path) -> Result<LoadedScene, SceneError> {
 /// # Errors
 /// When the text is no scan scene or breaks a rule.
 pub fn parse_scan(text: &str, origin: &Path) -> Result<LoadedScan, SceneError> {
-    parse_as(text, origin, &schema::scan_schema(), validate::validate_scan)
+    parse_file(text, origin, &schema::scan_schema(), validate::validate_scan)
 }
 
-fn parse_as<'t, S: Deserialize<'t>>(
+/// A broken rule at its place in a file.
+pub(crate) fn at_its_place(text: &str, origin: &Path, broken: &Invalid) -> SceneError {
+    let place = |one: &Invalid| {
+        let line = DeTable::parse(text).ok().map(|document| line_of(text, document.get_ref(), &one.key));
+        SceneError::of_file("invalid_value", origin, &one.message).at(line, Some(&one.key))
+    };
+    SceneError { others: broken.others.iter().map(place).collect(), ..place(broken) }
+}
+
+/// Reads a file of this program's from its text: structure first, then types, then rules.
+pub(crate) fn parse_file<'t, S: Deserialize<'t>>(
     text: &'t str,
     origin: &Path,
     schema: &serde_json::Value,
@@ -169,10 +180,7 @@ fn parse_as<'t, S: Deserialize<'t>>(
         return Err(error);
     }
     let scene = S::deserialize(Deserializer::from(document.clone())).map_err(|error| toml_error("syntax", &error))?;
-    rules(&scene).map_err(|broken| {
-        let place = |one: &Invalid| at_key("invalid_value", &one.key, &one.message);
-        SceneError { others: broken.others.iter().map(place).collect(), ..place(&broken) }
-    })?;
+    rules(&scene).map_err(|broken| at_its_place(text, origin, &broken))?;
     Ok(Loaded {
         scene,
         files: Inputs::of_folder(origin.parent().unwrap_or(Path::new(""))),

@@ -36,6 +36,7 @@ pub use error::SceneError;
 pub use ies::{IesTable, read_ies};
 pub use inputs::{Input, Inputs};
 pub use load::{Loaded, LoadedScan, LoadedScene, load, load_alone, load_scan, parse, parse_scan};
+pub(crate) use load::{at_its_place, parse_file, read_text};
 pub use mesh_file::{TriangleMesh, read_mesh};
 pub use phantom::*;
 pub use presets::{PRESETS, SCAN_PRESETS, open, open_scan, preset, scan_preset};

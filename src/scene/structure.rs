@@ -107,7 +107,7 @@ impl<'s> Walk<'s> {
                 true
             }
             ("string", DeValue::String(_)) | ("boolean", DeValue::Boolean(_)) => true,
-            _ => false,
+            _ => also(schema, value),
         };
         if fits {
             return Ok(());
@@ -223,6 +223,17 @@ fn type_name(schema: &Value) -> &str {
         Some(Value::Array(names)) => names.iter().filter_map(Value::as_str).find(|n| *n != "null").unwrap_or(""),
         _ => "",
     }
+}
+
+/// Whether a value is of a later one of several types.
+fn also(schema: &Value, value: &DeValue<'_>) -> bool {
+    let types = schema.get("type").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).skip(1);
+    types.into_iter().any(|name| {
+        matches!(
+            (name, value),
+            ("string", DeValue::String(_)) | ("boolean", DeValue::Boolean(_)) | ("array", DeValue::Array(_))
+        )
+    })
 }
 
 fn in_range(number: &toml::de::DeInteger<'_>, least: i128, most: i128) -> bool {

@@ -12,16 +12,16 @@ const ENDLESS: [&str; 7] = ["render", "scene.toml", "--spp", "100000000", "--bac
 const SHORT: [&str; 9] = ["render", "scene.toml", "--spp", "1", "--photons", "1000", "--backend", "cpu", "--json"];
 
 /// A run in the background, which does not outlive its test.
-struct Background(Option<Child>);
+pub(super) struct Background(Option<Child>);
 
 impl Background {
-    fn start(place: &Place, arguments: &[&str]) -> Self {
+    pub(super) fn start(place: &Place, arguments: &[&str]) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tirtouch"));
         command.args(arguments).current_dir(place.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
         Self(Some(command.spawn().unwrap()))
     }
 
-    fn child(&mut self) -> &mut Child {
+    pub(super) fn child(&mut self) -> &mut Child {
         self.0.as_mut().unwrap()
     }
 
@@ -30,7 +30,7 @@ impl Background {
         assert!(Command::new("kill").args([name, &id]).status().unwrap().success());
     }
 
-    fn end(mut self) -> Output {
+    pub(super) fn end(mut self) -> Output {
         wait_until("it stops", || self.child().try_wait().unwrap().is_some());
         self.0.take().unwrap().wait_with_output().unwrap()
     }
@@ -46,7 +46,7 @@ impl Drop for Background {
 }
 
 /// Waits until `ready`: two minutes, which nothing but a fault takes.
-fn wait_until(what: &str, mut ready: impl FnMut() -> bool) {
+pub(super) fn wait_until(what: &str, mut ready: impl FnMut() -> bool) {
     for _ in 0..12_000 {
         if ready() {
             return;

@@ -1,0 +1,260 @@
+//! `sweep`: many points of one scene, none lost.
+
+use super::command::described;
+use super::flags::Backend;
+use super::job::watched;
+use super::{Failure, Outcome, Talk, note, print};
+use crate::output::{RESULT, Records};
+use crate::pages::sweep::{table, text};
+use crate::pipeline::Session;
+use crate::scene::open;
+use crate::sweep::{Options, Status, Sweep, SweepError, SweepFolderError, by_hand, run};
+use crate::trace::{Devices, Precision};
+use clap::{Args, Subcommand};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::time::Instant;
+
+/// Compute many points of a scene: keys that vary, figures of each, records that a later run goes on with.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(super) struct SweepCommand {
+    #[command(subcommand)]
+    what: Option<What>,
+    #[command(flatten)]
+    by_hand: ByHand,
+}
+
+/// A sweep without a file: keys and what is measured.
+#[derive(Debug, Args)]
+struct ByHand {
+    /// Scene file, or preset:NAME: a sweep without a file of its own.
+    #[arg(required = true)]
+    scene: Option<PathBuf>,
+    /// A key and its values: KEY=VALUE, KEY=A,B,C or KEY=FROM:TO:POINTS; may be given again.
+    #[arg(long, value_name = "KEY=VALUES", required = true)]
+    set: Vec<String>,
+    /// What is measured: a kind, or a kind with its keys as in 'contrast radius_mm=4'; may be given again.
+    #[arg(long, value_name = "KIND", default_value = "mean_radiance")]
+    measure: Vec<String>,
+    #[command(flatten)]
+    how: How,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    Run(RunSweep),
+    Status(OfFolder),
+    Collect(OfFolder),
+    Scene(SceneOf),
+}
+
+/// Compute the points of a sweep file that have no record yet, and write the tables.
+#[derive(Debug, Args)]
+struct RunSweep {
+    /// Sweep file.
+    sweep: PathBuf,
+    #[command(flatten)]
+    how: How,
+}
+
+/// How points are computed.
+#[derive(Debug, Args)]
+struct How {
+    /// Folder of the records [default: out/NAME].
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Go on with the records of the folder, beside other workers if there are any.
+    #[arg(long)]
+    resume: bool,
+    /// Replace the folder, if this program wrote all that it holds.
+    #[arg(long, conflicts_with = "resume")]
+    force: bool,
+    /// Only the part K of N of the points.
+    #[arg(long, value_name = "K/N")]
+    shard: Option<Shard>,
+    /// Threads that press beside the one that traces [default: half of the cores].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256), allow_negative_numbers = true)]
+    workers: Option<u32>,
+    /// Where to trace.
+    #[arg(long, value_enum, default_value_t)]
+    backend: Backend,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+/// How far the sweep of a folder is, from whatever records are there.
+#[derive(Debug, Args)]
+struct OfFolder {
+    /// Folder of a sweep.
+    folder: PathBuf,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+/// Print the scene of one point: a scene file of its own.
+#[derive(Debug, Args)]
+struct SceneOf {
+    /// Folder of a sweep, or a sweep file.
+    sweep: PathBuf,
+    /// Row of the point, from 0.
+    row: usize,
+}
+
+/// Part K of N.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Shard(u32, u32);
+
+impl FromStr for Shard {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parts = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+        match parts {
+            Some((k, n)) if (1..=n).contains(&k) => Ok(Self(k, n)),
+            _ => Err("it must be K/N with K from 1 to N, as in 3/8"),
+        }
+    }
+}
+
+impl SweepCommand {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        match &self.what {
+            Some(What::Run(run)) => run.how.run(&Sweep::load(&run.sweep)?),
+            Some(What::Status(of)) => of.status(),
+            Some(What::Collect(of)) => of.collect(),
+            Some(What::Scene(of)) => of.print(),
+            None => self.by_hand.how.run(&self.by_hand.sweep()?),
+        }
+    }
+}
+
+impl ByHand {
+    fn sweep(&self) -> Result<Sweep, Failure> {
+        let scene = self.scene.as_deref().unwrap_or(Path::new(""));
+        let (base, file) = open(scene)?;
+        let usage = |flag: &str, text: &str, why: &str| Failure::usage(format!("`{flag} {text}`: {why}"));
+        let vary = self.set.iter().map(|text| by_hand::vary(text).map_err(|why| usage("--set", text, &why)));
+        let measure =
+            self.measure.iter().map(|text| by_hand::measure(text).map_err(|why| usage("--measure", text, &why)));
+        let (vary, measure) = (vary.collect::<Result<_, _>>()?, measure.collect::<Result<_, _>>()?);
+        let name = format!("{}-sweep", base.scene.name);
+        by_hand::sweep(name, scene, vary, measure, base, file).map_err(|broken| Failure::usage(broken.to_string()))
+    }
+}
+
+impl How {
+    fn run(&self, sweep: &Sweep) -> Result<Outcome, Failure> {
+        let start = Instant::now();
+        let place = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&sweep.name));
+        let devices = Devices::open(self.backend.choice(), Precision::F32)?;
+        if let (Some(notice), false) = (devices.notice(), self.talk.quiet) {
+            note(notice);
+        }
+        let records = Records::join(&place, &sweep.order(), self.force, self.resume)?;
+        let before = Status::of(sweep, &records);
+        records.write("sweep.toml", &sweep.text)?;
+        records.write("scene.toml", &sweep.base.text)?;
+        let cores = std::thread::available_parallelism().map_or(2, usize::from);
+        let workers = self.workers.map_or(cores.div_ceil(2), |workers| workers as usize);
+        let options = Options { workers, shard: self.shard.map(|Shard(k, n)| (k, n)) };
+        let session = Session::from(devices);
+        watched(self.talk.quiet, |observe| run(sweep, &records, &session, options, observe))?;
+        let status = collect(sweep, &records)?;
+        let (seconds, computed) = (start.elapsed().as_secs_f64(), status.ended().saturating_sub(before.ended()));
+        let mut result = json!(status);
+        result["name"] = json!(sweep.name);
+        result["seconds"] = json!(seconds);
+        result["points_per_minute"] = json!(60.0 * computed as f64 / seconds);
+        let result = described(result, Some(&place));
+        records.write(RESULT, &format!("{result:#}\n"))?;
+        match self.talk.json {
+            true => print(&result.to_string())?,
+            false => print(&text(sweep, &status, &place.display().to_string()))?,
+        }
+        Ok(Outcome::Done)
+    }
+}
+
+/// Writes the tables of whatever records are there.
+fn collect(sweep: &Sweep, records: &Records) -> Result<Status, Failure> {
+    records.write("points.csv", &table::points_csv(sweep, records)?)?;
+    records.write("times.csv", &table::times_csv(sweep, records)?)?;
+    Ok(Status::of(sweep, records))
+}
+
+impl OfFolder {
+    fn status(&self) -> Result<Outcome, Failure> {
+        let (sweep, records) = Sweep::of_folder(&self.folder)?;
+        self.tell(&sweep, &Status::of(&sweep, &records))
+    }
+
+    fn collect(&self) -> Result<Outcome, Failure> {
+        let (sweep, records) = Sweep::of_folder(&self.folder)?;
+        let status = collect(&sweep, &records)?;
+        self.tell(&sweep, &status)
+    }
+
+    fn tell(&self, sweep: &Sweep, status: &Status) -> Result<Outcome, Failure> {
+        let mut result = json!(status);
+        result["name"] = json!(sweep.name);
+        match self.talk.json {
+            true => print(&described(result, Some(&self.folder)).to_string())?,
+            false => print(&text(sweep, status, &self.folder.display().to_string()))?,
+        }
+        Ok(Outcome::Done)
+    }
+}
+
+impl SceneOf {
+    fn print(&self) -> Result<Outcome, Failure> {
+        let sweep = match self.sweep.is_dir() {
+            true => Sweep::of_folder(&self.sweep)?.0,
+            false => Sweep::load(&self.sweep)?,
+        };
+        if self.row >= sweep.plan.count() {
+            let message = format!(
+                "{}: has {} points, from 0; there is no row {}",
+                self.sweep.display(),
+                sweep.plan.count(),
+                self.row
+            );
+            return Err(Failure::usage(message).in_file(&self.sweep));
+        }
+        let point = sweep.plan.point(self.row);
+        let scene = point.map_err(|reason| rejected(&self.sweep, self.row, &reason)).and_then(|point| {
+            let text = sweep.plan.scene_text(&sweep.base.text, &point);
+            text.map_err(|broken| rejected(&self.sweep, self.row, &broken.to_string()))
+        })?;
+        print(&scene)?;
+        Ok(Outcome::Done)
+    }
+}
+
+fn rejected(file: &Path, row: usize, reason: &str) -> Failure {
+    Failure::input(format!("{}: point {row} makes no scene: {reason}", file.display())).in_file(file)
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Output(error) => error.into(),
+            SweepError::Device { .. } => Self::failed(error.to_string()),
+            SweepError::Stopped => Self::cancelled(),
+        }
+    }
+}
+
+impl From<SweepFolderError> for Failure {
+    fn from(error: SweepFolderError) -> Self {
+        match error {
+            SweepFolderError::Output(error) => error.into(),
+            SweepFolderError::Scene(error) => error.into(),
+            SweepFolderError::Strange(ref folder) => {
+                let folder = folder.clone();
+                Self::input(error.to_string()).in_file(&folder)
+            }
+        }
+    }
+}

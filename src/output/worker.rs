@@ -1,0 +1,235 @@
+//! Several workers on one folder of records: who computes which item.
+//!
+//! A worker holds the lock of a file of its own for as long as it lives. It claims an item by making a file that names
+//! it. A claim counts while its worker's file is locked: the system lets go of a lock when its program ends, however it
+//! ends, so no claim outlives its worker. NFS passes locks on to its server. Where a file system has none, a worker
+//! counts as alive for as long as it touches its file; times are compared with each other, by one clock, and not with
+//! this machine's. Two workers that take over a dead one's claim in the same moment both compute the item: the records
+//! that they write are the same.
+
+use super::OutputError;
+use std::fs::{File, TryLockError};
+use std::io::{ErrorKind, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::time::Duration;
+
+/// Folders of claims and of workers.
+pub(super) const CLAIMS: &str = "claims";
+pub(super) const WORKERS: &str = "workers";
+/// Time between two touches of a worker's file.
+const TOUCH: Duration = Duration::from_secs(5);
+/// Where there are no locks: a worker that has not touched its file for so long is dead.
+const DEAD: Duration = Duration::from_secs(60);
+
+/// A worker of this program. Dropping it lets go of its claims.
+pub(super) struct Worker {
+    folder: PathBuf,
+    name: String,
+    file: PathBuf,
+    /// Locked where there are locks.
+    _held: File,
+    /// Dropping it ends the thread that touches the file.
+    _alive: Sender<()>,
+}
+
+/// What became of a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Claimed {
+    /// This worker has the item.
+    Ours,
+    /// Another one, which is alive, computes it.
+    Taken,
+}
+
+/// Tells the workers of one process apart.
+static COUNT: AtomicU32 = AtomicU32::new(0);
+
+impl Worker {
+    /// A new worker of a folder.
+    pub fn new(folder: &Path) -> Result<Self, OutputError> {
+        let failed = |error: std::io::Error| OutputError::failed(folder, format!("no worker can be entered: {error}"));
+        let workers = folder.join(WORKERS);
+        std::fs::create_dir_all(&workers).map_err(failed)?;
+        std::fs::create_dir_all(folder.join(CLAIMS)).map_err(failed)?;
+        let host = host();
+        let (file, name, held) = loop {
+            let name = format!("{host}-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+            let file = workers.join(&name);
+            match File::options().write(true).create_new(true).open(&file) {
+                Ok(held) => break (file, name, held),
+                // A process of the same number has been here.
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(failed(error)),
+            }
+        };
+        // Without locks the touches tell.
+        let _ = held.try_lock();
+        let (alive, ended) = channel::<()>();
+        let touched = file.clone();
+        let touch = move || {
+            while ended.recv_timeout(TOUCH) == Err(RecvTimeoutError::Timeout) {
+                let _ = std::fs::write(&touched, "alive\n");
+            }
+        };
+        std::thread::Builder::new().name("worker's touch".into()).spawn(touch).map_err(failed)?;
+        Ok(Self { folder: folder.into(), name, file, _held: held, _alive: alive })
+    }
+
+    /// Claims an item.
+    pub fn claim(&self, item: &str) -> Result<Claimed, OutputError> {
+        let path = self.folder.join(CLAIMS).join(item);
+        let failed = |error: std::io::Error| OutputError::failed(&path, format!("cannot be claimed: {error}"));
+        loop {
+            match File::options().write(true).create_new(true).open(&path) {
+                Ok(mut file) => {
+                    file.write_all(self.name.as_bytes()).map_err(failed)?;
+                    return Ok(Claimed::Ours);
+                }
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(failed(error)),
+            }
+            match std::fs::read_to_string(&path) {
+                Ok(owner) if owner == self.name => return Ok(Claimed::Ours),
+                Ok(owner) if self.is_alive(&owner, &path) => return Ok(Claimed::Taken),
+                Ok(_) => match std::fs::remove_file(&path) {
+                    Ok(()) => {}
+                    Err(error) if error.kind() == ErrorKind::NotFound => {}
+                    Err(error) => return Err(failed(error)),
+                },
+                Err(error) if error.kind() == ErrorKind::NotFound => {}
+                Err(error) => return Err(failed(error)),
+            }
+        }
+    }
+
+    /// Lets go of an item.
+    pub fn let_go(&self, item: &str) {
+        let _ = std::fs::remove_file(self.folder.join(CLAIMS).join(item));
+    }
+
+    /// Whether the worker of a claim is alive. A claim that does not name one yet is as old as its file.
+    fn is_alive(&self, owner: &str, claim: &Path) -> bool {
+        if owner.is_empty() {
+            return self.is_recent(claim);
+        }
+        let file = self.folder.join(WORKERS).join(owner);
+        is_locked(&file).unwrap_or_else(|| self.is_recent(&file))
+    }
+
+    /// Whether a file was touched about as late as this worker's own.
+    fn is_recent(&self, file: &Path) -> bool {
+        // Now, by the clock of the file system.
+        let _ = std::fs::write(&self.file, "alive\n");
+        let time = |path: &Path| path.metadata().and_then(|data| data.modified()).ok();
+        match (time(file), time(&self.file)) {
+            (Some(theirs), Some(ours)) => {
+                ours.duration_since(theirs).or_else(|_| theirs.duration_since(ours)).is_ok_and(|apart| apart < DEAD)
+            }
+            _ => false,
+        }
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.file);
+    }
+}
+
+/// Whether a worker's file is locked; none where there are no locks to tell by.
+fn is_locked(file: &Path) -> Option<bool> {
+    match File::options().read(true).write(true).open(file) {
+        Ok(file) => match file.try_lock() {
+            Ok(()) => Some(false),
+            Err(TryLockError::WouldBlock) => Some(true),
+            Err(TryLockError::Error(_)) => None,
+        },
+        Err(error) if error.kind() == ErrorKind::NotFound => Some(false),
+        Err(_) => None,
+    }
+}
+
+/// How many workers of a folder are alive.
+pub(super) fn alive(folder: &Path) -> usize {
+    let entries = std::fs::read_dir(folder.join(WORKERS)).into_iter().flatten().flatten();
+    entries.filter(|entry| is_locked(&entry.path()).unwrap_or(true)).count()
+}
+
+/// This machine's name, as far as a file name can hold it.
+fn host() -> String {
+    let named = std::fs::read_to_string("/etc/hostname").ok().or_else(|| std::env::var("HOSTNAME").ok());
+    let plain = |name: String| -> String {
+        name.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '-').take(40).collect()
+    };
+    named.map(plain).filter(|name| !name.is_empty()).unwrap_or_else(|| "host".into())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_item_has_one_worker_at_a_time() {
+        let place = tempfile::tempdir().unwrap();
+        let [one, other] = [(); 2].map(|()| Worker::new(place.path()).unwrap());
+        assert_eq!(one.claim("7").unwrap(), Claimed::Ours);
+        assert_eq!(one.claim("7").unwrap(), Claimed::Ours);
+        assert_eq!(other.claim("7").unwrap(), Claimed::Taken);
+        assert_eq!(alive(place.path()), 2);
+        one.let_go("7");
+        assert_eq!(other.claim("7").unwrap(), Claimed::Ours);
+        // Whoever ends without letting go is dead.
+        drop(other);
+        assert_eq!(alive(place.path()), 1);
+        assert_eq!(one.claim("7").unwrap(), Claimed::Ours);
+    }
+
+    #[test]
+    fn a_killed_workers_claim_falls() {
+        let place = tempfile::tempdir().unwrap();
+        let worker = Worker::new(place.path()).unwrap();
+        // What `kill -9` leaves: a file that nobody has locked, and a claim; or a claim that was cut short.
+        std::fs::write(place.path().join(WORKERS).join("host-1-0"), "").unwrap();
+        std::fs::write(place.path().join(CLAIMS).join("7"), "host-1-0").unwrap();
+        assert_eq!(worker.claim("7").unwrap(), Claimed::Ours);
+        let cut = place.path().join(CLAIMS).join("8");
+        std::fs::write(&cut, "").unwrap();
+        assert_eq!(worker.claim("8").unwrap(), Claimed::Taken, "it may just be written");
+        let old = std::time::SystemTime::now() - 2 * DEAD;
+        File::options().write(true).open(&cut).unwrap().set_modified(old).unwrap();
+        assert_eq!(worker.claim("8").unwrap(), Claimed::Ours);
+        // A clock set back makes the future no sign of life.
+        std::fs::write(&cut, "").unwrap();
+        let ahead = std::time::SystemTime::now() + 2 * DEAD;
+        File::options().write(true).open(&cut).unwrap().set_modified(ahead).unwrap();
+        assert_eq!(worker.claim("8").unwrap(), Claimed::Ours);
+    }
+
+    #[test]
+    fn many_workers_compute_each_item_once() {
+        let place = tempfile::tempdir().unwrap();
+        let done = |item: usize| place.path().join(format!("{item}.done"));
+        let made: usize = std::thread::scope(|scope| {
+            let work = || {
+                let worker = Worker::new(place.path()).unwrap();
+                let one = |item: usize| {
+                    let name = item.to_string();
+                    let free = !done(item).exists() && worker.claim(&name).unwrap() == Claimed::Ours;
+                    // It may have been done between the two.
+                    let made = free && !done(item).exists() && File::create_new(done(item)).is_ok();
+                    if free {
+                        worker.let_go(&name);
+                    }
+                    usize::from(made)
+                };
+                (0..50).map(one).sum::<usize>()
+            };
+            let workers: Vec<_> = (0..4).map(|_| scope.spawn(work)).collect();
+            workers.into_iter().map(|worker| worker.join().unwrap()).sum()
+        });
+        assert_eq!(made, 50);
+    }
+}

@@ -1,0 +1,79 @@
+//! Tables of a sweep, made of its records.
+
+use crate::output::Records;
+use crate::pages::PageError;
+use crate::sweep::{State, Sweep, Told};
+
+fn text(value: Option<f64>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
+}
+
+fn table(file: &'static str, head: Vec<String>, rows: impl Iterator<Item = Vec<String>>) -> Result<String, PageError> {
+    let failed = |error: csv::Error| PageError::Table { file, error };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(&head).map_err(failed)?;
+    for row in rows {
+        writer.write_record(&row).map_err(failed)?;
+    }
+    let bytes = writer.into_inner().map_err(|error| failed(error.into_error().into()))?;
+    String::from_utf8(bytes).map_err(|error| failed(std::io::Error::other(error).into()))
+}
+
+/// `points.csv`: one row a point in the order of the design, with its status. Equal sweeps give equal bytes: times are
+/// not in it.
+///
+/// # Errors
+/// Never for what a sweep holds.
+pub fn points_csv(sweep: &Sweep, records: &Records) -> Result<String, PageError> {
+    let names: Vec<String> = sweep.plan.names().map(str::to_owned).collect();
+    let columns: Vec<&str> = sweep.columns().collect();
+    let of_figure = |name: &&str| [(*name).to_owned(), format!("{name}_low"), format!("{name}_high")];
+    let head = ["row".to_owned(), "status".to_owned()].into_iter().chain(names.iter().cloned());
+    let head = head.chain(columns.iter().flat_map(of_figure)).chain(["relative_error".to_owned(), "note".to_owned()]);
+    let rows = (0..sweep.plan.count()).map(|row| {
+        let record = sweep.record(records, row);
+        let status = match record.as_ref().map(|record| record.status) {
+            Some(State::Done) => "done",
+            Some(State::Rejected) => "rejected",
+            Some(State::Failed) => "failed",
+            None => "missing",
+        };
+        // What a design asked for is known before it is computed.
+        let values = match &record {
+            Some(record) if !record.values.is_empty() => record.values.clone(),
+            _ => sweep.plan.point(row).map(|point| point.values).unwrap_or_default(),
+        };
+        let value = |k: usize| values.get(k).map_or(String::new(), ToString::to_string);
+        let figures = record.as_ref().map(|record| record.figures.as_slice()).unwrap_or_default();
+        let figure = |k: usize| {
+            let Told { value, low, high, .. } = figures.get(k).cloned().unwrap_or_default();
+            [value, low, high].map(text)
+        };
+        let noted = |(name, told): (&&str, &Told)| told.note.as_ref().map(|note| format!("{name}: {note}"));
+        let notes = record.as_ref().and_then(|record| record.reason.clone()).into_iter();
+        let notes: Vec<String> = notes.chain(columns.iter().zip(figures).filter_map(noted)).collect();
+        let error = record.as_ref().and_then(|record| record.traced.as_ref()?.relative_error);
+        let cells = [row.to_string(), status.to_owned()].into_iter().chain((0..names.len()).map(value));
+        cells.chain((0..columns.len()).flat_map(figure)).chain([text(error), notes.join("; ")]).collect()
+    });
+    table("points.csv", head.collect(), rows)
+}
+
+/// `times.csv`: where the time of each point went, seconds.
+///
+/// # Errors
+/// Never for what a sweep holds.
+pub fn times_csv(sweep: &Sweep, records: &Records) -> Result<String, PageError> {
+    let head = ["row", "press_s", "light_s", "figures_s", "spp", "photons", "adapter"].map(str::to_owned);
+    let rows = (0..sweep.plan.count()).filter_map(|row| {
+        let record = sweep.record(records, row)?;
+        let seconds = record.seconds;
+        let (spp, photons, adapter) = match record.traced {
+            Some(traced) => (traced.spp.to_string(), traced.photons.to_string(), traced.adapter),
+            None => Default::default(),
+        };
+        let times = [seconds.press, seconds.light, seconds.figures].map(|time| format!("{time:.4}"));
+        Some([row.to_string()].into_iter().chain(times).chain([spp, photons, adapter]).collect())
+    });
+    table("times.csv", head.to_vec(), rows)
+}

@@ -1,0 +1,97 @@
+//! Sweeps without a file: a grid over a few keys.
+
+use super::{Measure, Settings, Sweep, SweepFile};
+use crate::scene::{Invalid, LoadedScene};
+use crate::vary::{Design, Keys, Range, Scalar, Vary};
+use std::path::{Path, PathBuf};
+
+/// A variable of `KEY=VALUE`, `KEY=A,B,C` or `KEY=FROM:TO:POINTS`.
+///
+/// # Errors
+/// What is wrong with the text.
+pub fn vary(text: &str) -> Result<Vary, String> {
+    let (key, values) = text.rsplit_once('=').ok_or("it must be KEY=VALUES, as in stack.layer[0].n=1.40:1.43:7")?;
+    let vary = Vary { key: Some(Keys::One(key.trim().into())), ..Vary::default() };
+    let parts: Vec<&str> = values.split(':').map(str::trim).collect();
+    if let [from, to, points] = parts[..] {
+        let number = |text: &str| text.parse::<f64>().ok().filter(|number| number.is_finite());
+        let range = number(from).zip(number(to)).zip(points.parse().ok());
+        let ((from, to), points) = range.ok_or("FROM:TO:POINTS must be two numbers and how many values there are")?;
+        return Ok(Vary { linear: Some(Range { from, to, points }), ..vary });
+    }
+    if parts.len() > 1 {
+        return Err("a range is FROM:TO:POINTS".into());
+    }
+    let values: Vec<Scalar> = values.split(',').map(str::trim).filter(|v| !v.is_empty()).map(Scalar::of_cell).collect();
+    match values.is_empty() {
+        true => Err("it has no values".into()),
+        false => Ok(Vary { values: Some(values), ..vary }),
+    }
+}
+
+/// A measure of its kind, with its keys after it: `contrast radius_mm=4 around_mm=[5,7]`.
+///
+/// # Errors
+/// A kind that there is not, a key that it has not.
+pub fn measure(text: &str) -> Result<Measure, String> {
+    let (kind, keys) = text.trim().split_once(char::is_whitespace).unwrap_or((text.trim(), ""));
+    let lines: String = keys.split_whitespace().map(|key| format!("{key}\n")).collect();
+    let error = |error: toml::de::Error| error.message().to_owned();
+    let mut table: toml::Table = lines.parse().map_err(error)?;
+    table.insert("kind".into(), kind.into());
+    table.try_into().map_err(error)
+}
+
+/// The sweep of a scene over a grid; `scene` is how it was named.
+///
+/// # Errors
+/// As [`Sweep::new`].
+pub fn sweep(
+    name: String,
+    scene: &Path,
+    vary: Vec<Vary>,
+    measure: Vec<Measure>,
+    base: LoadedScene,
+    base_file: PathBuf,
+) -> Result<Sweep, Invalid> {
+    let settings = Settings {
+        description: String::new(),
+        scene: scene.display().to_string(),
+        design: Design::Grid {},
+        target_error: None,
+        seed: None,
+        random_numbers: Default::default(),
+    };
+    let file = SweepFile { sweep: settings, vary, require: Vec::new(), measure };
+    let text = toml::to_string(&file).map_err(|error| Invalid::new("sweep", error.to_string()))?;
+    Sweep::new(name, file, text, base, base_file, None)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::preset;
+
+    #[test]
+    fn a_sweep_by_hand_is_that_of_a_file() {
+        let axes = ["stack.layer[0].n=1.40:1.43:4", "led[*].power_mw=1,2"].map(|text| vary(text).unwrap());
+        let measures = ["mean_radiance", "contrast radius_mm=4 around_mm=[5,7]"].map(|text| measure(text).unwrap());
+        let base = preset("contact-disc").unwrap();
+        let made =
+            sweep("s".into(), Path::new("preset:contact-disc"), axes.to_vec(), measures.to_vec(), base, "".into());
+        let made = made.unwrap();
+        assert_eq!(made.plan.count(), 8);
+        assert_eq!(toml::from_str::<SweepFile>(&made.text).unwrap(), made.file);
+        assert_eq!(made.plan.names().collect::<Vec<_>>(), ["stack.layer[0].n", "led[*].power_mw"]);
+    }
+
+    #[test]
+    fn what_is_wrong_is_told() {
+        for bad in ["a", "a=", "a=1:2", "a=1:x:3", "a=1:2:3:4"] {
+            assert!(vary(bad).is_err(), "{bad}");
+        }
+        assert!(measure("contrats").unwrap_err().contains("contrats"));
+        assert!(measure("contrast size=3").unwrap_err().contains("size"));
+    }
+}

@@ -1,0 +1,267 @@
+//! The file of a sweep: a scene, what varies, constraints, the design of points and what is measured.
+
+use super::Measure;
+use crate::output::Records;
+use crate::scene::{
+    DataFileError, Input, Invalid, LoadedScene, SceneError, at_its_place, load, parse, parse_file, preset, read_text,
+};
+use crate::vary::{Design, Plan, Point, Require, Vary};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// A whole sweep file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SweepFile {
+    /// The scene, the design and how points are traced.
+    pub sweep: Settings,
+    /// What varies.
+    #[serde(default)]
+    pub vary: Vec<Vary>,
+    /// What must hold of a point.
+    #[serde(default)]
+    pub require: Vec<Require>,
+    /// What is measured.
+    #[serde(default)]
+    pub measure: Vec<Measure>,
+}
+
+/// The scene, the design and how points are traced.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// What the sweep asks.
+    #[serde(default)]
+    pub description: String,
+    /// The scene file, relative to this file, or `preset:NAME`.
+    pub scene: String,
+    /// Which points are computed.
+    pub design: Design,
+    /// Relative error of a lit pixel that each image is traced to. Default: as many samples as the scene says.
+    pub target_error: Option<f64>,
+    /// Seed of all random numbers. Default: the scene's.
+    pub seed: Option<u32>,
+    /// Whether points share their random numbers, so that their images differ by what varies and little noise. Default:
+    /// `common`.
+    #[serde(default)]
+    pub random_numbers: RandomNumbers,
+}
+
+/// Whether points share their random numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RandomNumbers {
+    /// All points draw the same.
+    #[default]
+    Common,
+    /// Each point draws its own.
+    Own,
+}
+
+/// A sweep that has been read: its points are known, none is computed.
+#[derive(Debug, Clone)]
+pub struct Sweep {
+    /// Name of the sweep; names the default output folder.
+    pub name: String,
+    /// The file.
+    pub file: SweepFile,
+    /// The file's text.
+    pub text: String,
+    /// The base scene.
+    pub base: LoadedScene,
+    /// Where the base scene lies, for messages and for the files that it names.
+    pub base_file: PathBuf,
+    /// The points.
+    pub plan: Plan,
+    /// The design's table, if it has one.
+    table: Option<String>,
+}
+
+/// Why a point is not computed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Rejected {
+    /// Its scene breaks a rule.
+    Point(String),
+    /// No point of the sweep makes a scene: a key that there is not, a value of the wrong kind.
+    Sweep(Invalid),
+}
+
+/// Mistakes that all points of a sweep share.
+const OF_ALL_POINTS: [&str; 4] = ["syntax", "unknown_key", "missing_key", "wrong_type"];
+
+fn rules(file: &SweepFile) -> Result<(), Invalid> {
+    if file.measure.is_empty() {
+        return Err(Invalid::new(
+            "measure",
+            "is missing: say what is measured; for example [[measure]] kind = \"mean_radiance\"",
+        ));
+    }
+    if let Some(target) = file.sweep.target_error.filter(|target| !(*target > 0.0 && *target < 10.0)) {
+        return Err(Invalid::new("sweep.target_error", format!("must be above 0 and below 10, is {target}")));
+    }
+    for (k, measure) in file.measure.iter().enumerate() {
+        let at = |key: &str| format!("measure[{k}].{key}");
+        match measure {
+            Measure::Contrast { radius_mm, around_mm: [inner, outer], .. } => {
+                if *radius_mm <= 0.0 {
+                    return Err(Invalid::new(at("radius_mm"), format!("must be above 0, is {radius_mm}")));
+                }
+                if !(inner >= radius_mm && outer > inner) {
+                    let what =
+                        format!("must be [inner, outer] with {radius_mm} <= inner < outer, is [{inner}, {outer}]");
+                    return Err(Invalid::new(at("around_mm"), what));
+                }
+            }
+            Measure::Snr { radius_mm, .. } | Measure::Unevenness { radius_mm, .. } if *radius_mm <= 0.0 => {
+                return Err(Invalid::new(at("radius_mm"), format!("must be above 0, is {radius_mm}")));
+            }
+            Measure::Paper { threshold_grey, .. } if *threshold_grey < 0.0 => {
+                return Err(Invalid::new(at("threshold_grey"), format!("must be 0 or more, is {threshold_grey}")));
+            }
+            _ => {}
+        }
+        if file.measure[..k].iter().any(|other| other.columns() == measure.columns()) {
+            let what = format!("measures {} a second time", measure.columns().join(", "));
+            return Err(Invalid::new(format!("measure[{k}]"), what));
+        }
+    }
+    Ok(())
+}
+
+impl Sweep {
+    /// Reads a sweep file, its scene and its table.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is none, a rule that is broken, a key that leads nowhere in the scene.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        let text = read_text(path)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let file = parse_file::<SweepFile>(&text, path, &schema(), rules)?.scene;
+        let placed = |broken: Invalid| at_its_place(&text, path, &broken);
+        let (base, base_file) = match file.sweep.scene.strip_prefix("preset:") {
+            Some(name) => (preset(name)?, PathBuf::from(format!("{name}.toml"))),
+            None => {
+                let scene = folder.join(&file.sweep.scene);
+                if !scene.is_file() {
+                    let what = format!("names {}, which is not a file", scene.display());
+                    return Err(placed(Invalid::new("sweep.scene", what)));
+                }
+                (load(&scene)?, scene)
+            }
+        };
+        let table = match &file.sweep.design {
+            Design::Csv { file } => {
+                let input = Input::read(folder.join(file));
+                let text = input.map_err(|error: DataFileError| error.to_string()).and_then(|input| {
+                    String::from_utf8(input.bytes.to_vec()).map_err(|_| format!("{} is no UTF-8", file.display()))
+                });
+                Some(text.map_err(|why| placed(Invalid::new("sweep.design.file", why)))?)
+            }
+            _ => None,
+        };
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Self::new(stem, file, text.clone(), base, base_file, table).map_err(placed)
+    }
+
+    /// A sweep from its parts.
+    ///
+    /// # Errors
+    /// A rule that is broken, with its key in the sweep's file.
+    pub fn new(
+        name: String,
+        file: SweepFile,
+        text: String,
+        base: LoadedScene,
+        base_file: PathBuf,
+        table: Option<String>,
+    ) -> Result<Self, Invalid> {
+        rules(&file)?;
+        let plan = Plan::new(&file.vary, &file.require, &file.sweep.design, table.as_deref())?;
+        let sweep = Self { name, file, text, base, base_file, plan, table };
+        if let Some(k) = sweep.file.measure.iter().position(Measure::needs_press)
+            && sweep.base.scene.press.is_none()
+        {
+            return Err(Invalid::new(format!("measure[{k}].kind"), "needs a scene with a [press]"));
+        }
+        if let Some(k) = sweep.file.measure.iter().position(Measure::needs_baseline)
+            && sweep.base.scene.press.is_none()
+        {
+            return Err(Invalid::new(format!("measure[{k}].kind"), "needs a scene with a [press] of inclusions"));
+        }
+        // What all points share shows at the first one that the constraints leave.
+        let first = (0..sweep.plan.count().min(100)).find_map(|row| sweep.plan.point(row).ok());
+        match first.map(|point| sweep.scene(&point)) {
+            Some(Err(Rejected::Sweep(broken))) => Err(broken),
+            _ => Ok(sweep),
+        }
+    }
+
+    /// The scene of a point.
+    ///
+    /// # Errors
+    /// Why the point makes no valid scene.
+    pub fn scene(&self, point: &Point) -> Result<LoadedScene, Rejected> {
+        let text = self.plan.scene_text(&self.base.text, point).map_err(Rejected::Sweep)?;
+        let mut loaded = parse(&text, &self.base_file).map_err(|error| {
+            let key = error.key.clone().unwrap_or_default();
+            match OF_ALL_POINTS.contains(&error.kind) {
+                true => Rejected::Sweep(Invalid::new("vary", format!("makes no scene: {key}: {}", error.message))),
+                false => Rejected::Point(format!("{key}: {}", error.message)),
+            }
+        })?;
+        loaded.files = self.base.files.clone();
+        Ok(loaded)
+    }
+
+    /// All that its records depend on.
+    pub fn order(&self) -> Value {
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "name": self.name,
+            "sweep": self.text,
+            "scene": self.base.text,
+            "inputs": self.base.inputs(),
+            "table": self.table,
+            "scene_file": self.base_file,
+        })
+    }
+
+    /// The sweep whose records a folder holds, and they. The files that its scene names are not there.
+    ///
+    /// # Errors
+    /// A folder without records, or whose order is of no sweep.
+    pub fn of_folder(folder: &Path) -> Result<(Self, Records), SweepFolderError> {
+        let (records, order) = Records::read(folder)?;
+        let strange = || SweepFolderError::Strange(folder.to_path_buf());
+        let text = |key: &str| order.get(key).and_then(Value::as_str).map(str::to_owned);
+        let (Some(name), Some(sweep), Some(scene)) = (text("name"), text("sweep"), text("scene")) else {
+            return Err(strange());
+        };
+        let base_file = PathBuf::from(text("scene_file").unwrap_or_default());
+        let file = parse_file::<SweepFile>(&sweep, &folder.join("sweep.toml"), &schema(), rules)?.scene;
+        let base = parse(&scene, &base_file)?;
+        let sweep = Self::new(name, file, sweep, base, base_file, text("table"));
+        Ok((sweep.map_err(|_| strange())?, records))
+    }
+}
+
+/// Why a folder is not one of a sweep.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepFolderError {
+    /// It holds no records.
+    #[error(transparent)]
+    Output(#[from] crate::output::OutputError),
+    /// Its files are of another version.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Its order is not one of a sweep.
+    #[error("{}: holds records of something else than a sweep", .0.display())]
+    Strange(PathBuf),
+}
+
+/// The JSON schema (2020-12) of a sweep file.
+pub fn schema() -> Value {
+    schemars::schema_for!(SweepFile).to_value()
+}

@@ -1,0 +1,16 @@
+//! Sweeps: a scene, keys that vary, a design of points, and figures of each point that survive a crash.
+//!
+//! A sweep's folder keeps one record a point, written whole or not at all; all else there (tables, report) is made of
+//! the records. Any number of workers, on one machine or many, may be in one folder: they claim points, and nothing
+//! else passes between them.
+
+pub mod by_hand;
+mod file;
+mod measure;
+mod run;
+mod status;
+
+pub use file::{RandomNumbers, Rejected, Settings, Sweep, SweepFile, SweepFolderError, schema};
+pub use measure::{Measure, Told};
+pub use run::{Options, Record, Seconds, State, SweepError, Traced, run};
+pub use status::Status;

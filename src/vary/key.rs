@@ -1,0 +1,256 @@
+//! Paths to the keys of a scene: `stack.layer["PDMS 1.41"].n`, `led[*].power_mw`,
+//! `phantom.inclusion[0].shape.diameter_mm`.
+
+use super::Scalar;
+use std::str::FromStr;
+use toml_edit::{Array, ArrayOfTables, Item, TableLike, Value};
+
+/// Most steps of a path.
+const MOST_STEPS: usize = 32;
+
+/// The path of a key.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KeyPath {
+    text: String,
+    steps: Vec<Step>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Step {
+    /// Key of a table.
+    Key(String),
+    /// Element of a list, from 0.
+    Index(usize),
+    /// Element of a list of tables, by its `name`.
+    Named(String),
+    /// All elements of a list.
+    All,
+}
+
+impl FromStr for KeyPath {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = |what: &str| format!("{text:?} {what}; a key is as in stack.layer[0].n or led[*].power_mw");
+        let mut steps = Vec::new();
+        let mut rest = text;
+        while !rest.is_empty() {
+            if steps.len() == MOST_STEPS {
+                return Err(wrong("has too many steps"));
+            }
+            if let Some(inside) = rest.strip_prefix('[') {
+                let (step, length) = if let Some(quoted) = inside.strip_prefix('"') {
+                    let end = quoted.find('"').ok_or_else(|| wrong("lacks a closing quote"))?;
+                    (Step::Named(quoted[..end].to_owned()), end + 2)
+                } else {
+                    let end = inside.find(']').ok_or_else(|| wrong("lacks a ]"))?;
+                    let step = match &inside[..end] {
+                        "*" => Step::All,
+                        index => Step::Index(index.parse().map_err(|_| wrong("has no number, name or * in its [ ]"))?),
+                    };
+                    (step, end)
+                };
+                if steps.is_empty() {
+                    return Err(wrong("does not start with a name"));
+                }
+                steps.push(step);
+                rest = inside[length..].strip_prefix(']').ok_or_else(|| wrong("lacks a ]"))?;
+            } else {
+                let name = match (rest.strip_prefix('.'), steps.is_empty()) {
+                    (Some(name), false) => name,
+                    (None, true) => rest,
+                    _ => return Err(wrong("has names that no dot parts")),
+                };
+                let length = name.find(['.', '[']).unwrap_or(name.len());
+                let (name, after) = name.split_at(length);
+                let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+                if name.is_empty() || !name.chars().all(plain) {
+                    return Err(wrong("has a name that no key can have"));
+                }
+                steps.push(Step::Key(name.to_owned()));
+                rest = after;
+            }
+        }
+        match steps.last() {
+            None => Err(wrong("is empty")),
+            Some(_) => Ok(Self { text: text.to_owned(), steps }),
+        }
+    }
+}
+
+impl std::fmt::Display for KeyPath {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl KeyPath {
+    /// Sets the key in a scene's document, in all places that the path names. A key that the document leaves to its
+    /// default is added to its table.
+    ///
+    /// # Errors
+    /// When the path leads nowhere: an element that is not there, a table that is none.
+    pub fn set(&self, document: &mut Item, value: &Scalar) -> Result<(), String> {
+        in_item(document, &self.steps, value).map_err(|why| format!("{self}: {why}"))
+    }
+}
+
+fn in_item(item: &mut Item, steps: &[Step], value: &Scalar) -> Result<(), String> {
+    match item {
+        Item::Value(inside) => in_value(inside, steps, value),
+        Item::ArrayOfTables(tables) => in_tables(tables, steps, value),
+        Item::Table(table) => in_table(table, steps, value),
+        Item::None => Err("is not there".into()),
+    }
+}
+
+fn in_value(item: &mut Value, steps: &[Step], value: &Scalar) -> Result<(), String> {
+    match (item, steps) {
+        (item, []) => {
+            let decor = item.decor().clone();
+            *item = value.to_toml();
+            *item.decor_mut() = decor;
+            Ok(())
+        }
+        (Value::InlineTable(table), steps) => in_table(table, steps, value),
+        (Value::Array(list), [step, rest @ ..]) => {
+            let places = places(step, list.len(), |k| list_name(list, k))?;
+            places.into_iter().try_for_each(|k| match list.get_mut(k) {
+                Some(item) => in_value(item, rest, value),
+                None => Ok(()),
+            })
+        }
+        (_, [Step::Key(name), ..]) => Err(format!("there is a value and no table where {name} is looked for")),
+        _ => Err("there is no list where one is looked for".into()),
+    }
+}
+
+fn in_tables(tables: &mut ArrayOfTables, steps: &[Step], value: &Scalar) -> Result<(), String> {
+    let [step, rest @ ..] = steps else { return Err("is a list of tables and no single value".into()) };
+    let name = |k: usize| tables.get(k).and_then(|table| table.get("name")).and_then(Item::as_str).map(str::to_owned);
+    let places = places(step, tables.len(), name)?;
+    places.into_iter().try_for_each(|k| match tables.get_mut(k) {
+        Some(table) => in_table(table, rest, value),
+        None => Ok(()),
+    })
+}
+
+fn in_table(table: &mut dyn TableLike, steps: &[Step], value: &Scalar) -> Result<(), String> {
+    let [step, rest @ ..] = steps else { return Err("is a table and no single value".into()) };
+    let Step::Key(name) = step else { return Err("there is a table and no list".into()) };
+    if let Some(item) = table.get_mut(name) {
+        return in_item(item, rest, value);
+    }
+    if rest.iter().any(|step| !matches!(step, Step::Key(_))) {
+        return Err(format!("there is no list {name}"));
+    }
+    let mut item = match rest {
+        [] => Item::Value(value.to_toml()),
+        // Without a header of its own a table would end the one that it stands in.
+        _ => Item::Value(Value::InlineTable(Default::default())),
+    };
+    if !rest.is_empty() {
+        in_item(&mut item, rest, value)?;
+    }
+    table.insert(name, item);
+    Ok(())
+}
+
+fn list_name(list: &Array, k: usize) -> Option<String> {
+    let name = list.get(k)?.as_inline_table()?.get("name")?.as_str()?;
+    Some(name.to_owned())
+}
+
+/// The places in a list that a step names.
+fn places(step: &Step, count: usize, name: impl Fn(usize) -> Option<String>) -> Result<Vec<usize>, String> {
+    match step {
+        Step::All if count == 0 => Err("[*] is of an empty list".into()),
+        Step::All => Ok((0..count).collect()),
+        Step::Index(k) if *k < count => Ok(vec![*k]),
+        Step::Index(k) => Err(format!("[{k}] is not there: the list has {count} elements, from [0]")),
+        Step::Named(wanted) => {
+            let found: Vec<usize> = (0..count).filter(|&k| name(k).as_ref() == Some(wanted)).collect();
+            match found.len() {
+                0 => {
+                    let names: Vec<String> = (0..count).filter_map(name).map(|name| format!("{name:?}")).collect();
+                    let names = if names.is_empty() { "none has a name".to_owned() } else { names.join(", ") };
+                    Err(format!("no element is named {wanted:?}; there: {names}"))
+                }
+                1 => Ok(found),
+                several => Err(format!("{several} elements are named {wanted:?}; give a number")),
+            }
+        }
+        Step::Key(name) => Err(format!("there is a list where the key {name} is looked for; [0], [*] or [\"name\"]")),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const SCENE: &str = "name = 'a' # a comment\n\n[stack]\nsize = { x = 1.0, y = 2 }\n[[stack.layer]]\nname = \"PDMS 1.41\"\n\
+                         n = 1.41 # measured\n[[stack.layer]]\nname = 'glass'\nn = 1.5\n[[led]]\npower_mw = 1\n[[led]]\n\
+                         power_mw = 2\n[list]\npixels = [4, 3]\n";
+
+    fn set(path: &str, value: f64) -> Result<String, String> {
+        let mut document: toml_edit::DocumentMut = SCENE.parse().unwrap();
+        path.parse::<KeyPath>()?.set(document.as_item_mut(), &Scalar::Number(value))?;
+        Ok(document.to_string())
+    }
+
+    #[test]
+    fn only_what_is_named_changes() {
+        for (path, from, to) in [
+            ("stack.layer[\"PDMS 1.41\"].n", "n = 1.41 #", "n = 1.42 #"),
+            ("stack.layer[1].n", "n = 1.5\n", "n = 1.42\n"),
+            ("list.pixels[0]", "[4, 3]", "[1.42, 3]"),
+            ("stack.size.y", "y = 2 }", "y = 1.42 }"),
+        ] {
+            assert_eq!(set(path, 1.42).unwrap(), SCENE.replace(from, to), "{path}");
+        }
+        let all = set("led[*].power_mw", 7.0).unwrap();
+        assert_eq!(all, SCENE.replace("power_mw = 1", "power_mw = 7").replace("power_mw = 2", "power_mw = 7"));
+    }
+
+    #[test]
+    fn what_was_left_to_its_default_is_added_where_it_belongs() {
+        let read = |text: String| text.parse::<toml::Table>().unwrap();
+        assert_eq!(read(set("stack.layer[0].v", 3.0).unwrap())["stack"]["layer"][0]["v"].as_integer(), Some(3));
+        assert_eq!(read(set("render.spp", 64.0).unwrap())["render"]["spp"].as_integer(), Some(64));
+        assert_eq!(read(set("stack.size.z.w", 0.5).unwrap())["stack"]["size"]["z"]["w"].as_float(), Some(0.5));
+        assert_eq!(read(set("seed", 1e300).unwrap())["seed"].as_float(), Some(1e300));
+    }
+
+    #[test]
+    fn a_path_that_leads_nowhere_says_why() {
+        for (path, said) in [
+            ("stack.layer[2].n", "has 2 elements"),
+            ("stack.layer[\"gel\"].n", "there: \"PDMS 1.41\", \"glass\""),
+            ("stack.layer.n", "there is a list where the key n"),
+            ("name.x", "a value and no table"),
+            ("name[0]", "no list"),
+            ("stack", "is a table"),
+            ("led", "a list of tables"),
+            ("wall[0].n", "no list wall"),
+            ("list.pixels[x]", "number, name or *"),
+            ("", "is empty"),
+            ("[0]", "does not start with a name"),
+            ("a..b", "no key can have"),
+            ("a[\"b]", "lacks a closing quote"),
+            ("a[0", "lacks a ]"),
+            ("a[0]b", "no dot parts"),
+        ] {
+            let found = set(path, 1.0).unwrap_err();
+            assert!(found.contains(said), "{path}: {found}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_makes_the_reader_panic(text in "[a-z.\\[\\]\"*0-9é ]{0,30}") {
+            let _ = set(&text, 1.0);
+        }
+    }
+}

@@ -1,0 +1,410 @@
+//! From variables, constraints and a design to points, and from a point to the text of its scene.
+
+use super::design::Units;
+use super::distribution::Source;
+use super::{Design, Expression, KeyPath, MOST_POINTS, Require, Scalar, Vary};
+use crate::scene::Invalid;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// All points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    variables: Vec<Variable>,
+    require: Vec<(Expression, Option<String>)>,
+    units: Units,
+    /// Rows of the design's table, by variable.
+    table: Option<Vec<Vec<Option<Scalar>>>>,
+    count: usize,
+    /// Variables in an order in which each comes after those that it is computed from.
+    order: Vec<usize>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Variable {
+    name: String,
+    keys: Vec<KeyPath>,
+    source: Source,
+}
+
+/// A point: a value for every variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Its row, from 0.
+    pub row: usize,
+    /// A value for each variable, in the order of [`Plan::names`].
+    pub values: Vec<Scalar>,
+}
+
+impl Plan {
+    /// Checks that variables, constraints and design fit together. `table` is the text of the design's table, where it
+    /// has one.
+    ///
+    /// # Errors
+    /// The first rule that is broken, with its key in the sweep's file.
+    pub fn new(vary: &[Vary], require: &[Require], design: &Design, table: Option<&str>) -> Result<Self, Invalid> {
+        let mut variables = vary.iter().enumerate().map(variable).collect::<Result<Vec<_>, _>>()?;
+        let columns = match (design, table) {
+            (Design::Csv { .. }, Some(text)) => {
+                Some(Columns::read(text).map_err(|why| Invalid::new("sweep.design.file", why))?)
+            }
+            (Design::Csv { .. }, None) => return Err(Invalid::new("sweep.design.file", "has no text")),
+            _ => None,
+        };
+        if let Some(columns) = &columns {
+            // A column that no entry names is a key of the scene.
+            for name in &columns.names {
+                if !variables.iter().any(|one| one.name == *name) {
+                    let key = name.parse().map_err(|why| Invalid::new("sweep.design.file", why))?;
+                    variables.push(Variable { name: name.clone(), keys: vec![key], source: Source::Column });
+                }
+            }
+        }
+        check_names(&variables)?;
+        for (k, one) in variables.iter().enumerate() {
+            let is_column = columns.as_ref().is_some_and(|columns| columns.names.contains(&one.name));
+            let key = format!("vary[{k}]");
+            match (&one.source, is_column, design) {
+                (Source::Column, false, _) => {
+                    let what = "has no values: give one of fixed, values, linear, log, uniform, log_uniform, normal, \
+                                log_normal, choice and expression";
+                    return Err(Invalid::new(key, what));
+                }
+                (Source::Column, true, _) => {}
+                (_, true, _) => return Err(Invalid::new(key, "has values, and a column of the design's table too")),
+                (Source::Drawn(_), _, Design::Grid {}) => {
+                    let what = "is drawn, and a grid needs an axis: values, linear or log; or another design";
+                    return Err(Invalid::new(key, what));
+                }
+                (source, _, Design::Csv { .. }) if source.is_free() => {
+                    return Err(Invalid::new(key, "is drawn, and the design's table has no column for it"));
+                }
+                _ => {}
+            }
+        }
+        let order = order(&variables)?;
+        let read = |(k, one): (usize, &Require)| {
+            let expression = one.expression.parse::<Expression>();
+            let expression = expression.map_err(|why| {
+                Invalid::new(format!("require[{k}].expression"), format!("{:?} {why}", one.expression))
+            })?;
+            known_names(&expression, &variables, &format!("require[{k}].expression"))?;
+            Ok((expression, one.reason.clone()))
+        };
+        let require = require.iter().enumerate().map(read).collect::<Result<Vec<_>, Invalid>>()?;
+        let lists: Vec<usize> = variables
+            .iter()
+            .filter(|one| one.source.is_free())
+            .map(|one| match &one.source {
+                Source::Listed(values) => values.len(),
+                _ => 0,
+            })
+            .collect();
+        let (units, count) = design.units(&lists).map_err(|why| Invalid::new("sweep.design", why))?;
+        let (table, count) = match columns {
+            Some(columns) => {
+                let rows = columns.of(&variables);
+                let count = rows.len();
+                (Some(rows), count)
+            }
+            None => (None, count),
+        };
+        Ok(Self { variables, require, units, table, count, order })
+    }
+
+    /// Points.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Names of the variables: columns of tables.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.variables.iter().map(|one| one.name.as_str())
+    }
+
+    /// Places of the variables that the design draws, in the order of its dimensions.
+    pub fn free(&self) -> Vec<usize> {
+        (0..self.variables.len()).filter(|&k| self.variables[k].source.is_free()).collect()
+    }
+
+    /// A point; a reason in place of the rest where it breaks a constraint, or a value cannot be computed.
+    ///
+    /// # Errors
+    /// That reason.
+    pub fn point(&self, row: usize) -> Result<Point, String> {
+        let unit = self.units.point(row);
+        let mut units = unit.into_iter();
+        let mut values: Vec<Option<Scalar>> = (self.variables.iter().enumerate())
+            .map(|(k, one)| match &one.source {
+                Source::Fixed(value) => Some(value.clone()),
+                Source::Derived(_) => None,
+                Source::Column => self.table.as_ref().and_then(|table| table.get(row)?.get(k)?.clone()),
+                source => source.at(units.next()?),
+            })
+            .collect();
+        for &k in &self.order {
+            let one = &self.variables[k];
+            if let Source::Derived(expression) = &one.source {
+                let value = expression.value(&self.numbers(&values)).map_err(|why| format!("{}: {why}", one.name))?;
+                values[k] = Some(Scalar::Number(value));
+            }
+        }
+        let numbers = self.numbers(&values);
+        for (expression, reason) in &self.require {
+            let holds = expression.value(&numbers)?;
+            if holds == 0.0 {
+                return Err(reason.clone().unwrap_or_else(|| format!("{expression} does not hold")));
+            }
+        }
+        drop(numbers);
+        let whole: Option<Vec<Scalar>> = values.into_iter().collect();
+        let values = whole.ok_or("the design's table has an empty cell in this row")?;
+        Ok(Point { row, values })
+    }
+
+    fn numbers<'v>(&'v self, values: &[Option<Scalar>]) -> BTreeMap<&'v str, f64> {
+        let named = self.variables.iter().zip(values);
+        named.filter_map(|(one, value)| Some((one.name.as_str(), value.as_ref()?.number()?))).collect()
+    }
+
+    /// The text of a point's scene: the base scene's, with the point's values in their places.
+    ///
+    /// # Errors
+    /// A text that is no TOML, or a key that leads nowhere in it.
+    pub fn scene_text(&self, base: &str, point: &Point) -> Result<String, Invalid> {
+        let document = base.parse::<toml_edit::DocumentMut>();
+        let mut document = document.map_err(|error| Invalid::new("sweep.scene", error.to_string()))?;
+        for (k, (one, value)) in self.variables.iter().zip(&point.values).enumerate() {
+            for key in &one.keys {
+                key.set(document.as_item_mut(), value).map_err(|why| Invalid::new(format!("vary[{k}].key"), why))?;
+            }
+        }
+        Ok(document.to_string())
+    }
+}
+
+fn variable((k, vary): (usize, &Vary)) -> Result<Variable, Invalid> {
+    let at = |key: &str| format!("vary[{k}].{key}");
+    let texts = vary.key.as_ref().map(|keys| keys.all()).unwrap_or_default();
+    let keys = texts.iter().map(|text| text.parse::<KeyPath>()).collect::<Result<Vec<_>, _>>();
+    let keys = keys.map_err(|why| Invalid::new(at("key"), why))?;
+    let name = match (&vary.name, texts) {
+        (Some(name), _) => {
+            let mut letters = name.chars();
+            let starts = letters.next().is_some_and(|c| c.is_alphabetic() || c == '_');
+            if !starts || !letters.all(|c| c.is_alphanumeric() || c == '_') {
+                let what = format!("must be letters, digits and _, and start with none of the digits, is {name:?}");
+                return Err(Invalid::new(at("name"), what));
+            }
+            name.clone()
+        }
+        (None, [first, ..]) => first.clone(),
+        (None, []) => return Err(Invalid::new(format!("vary[{k}]"), "has neither a key nor a name")),
+    };
+    let source = Source::of(vary).map_err(|why| Invalid::new(format!("vary[{k}]"), why))?;
+    Ok(Variable { name, keys, source })
+}
+
+/// Names and keys are each used once.
+fn check_names(variables: &[Variable]) -> Result<(), Invalid> {
+    let (mut names, mut keys) = (BTreeSet::new(), BTreeSet::new());
+    for (k, one) in variables.iter().enumerate() {
+        if !names.insert(one.name.as_str()) {
+            return Err(Invalid::new(format!("vary[{k}].name"), format!("{} stands there twice", one.name)));
+        }
+        if crate::vary::FUNCTIONS.iter().any(|(function, _)| *function == one.name) {
+            return Err(Invalid::new(format!("vary[{k}].name"), format!("{} is a function of expressions", one.name)));
+        }
+        for key in &one.keys {
+            if !keys.insert(key.to_string()) {
+                return Err(Invalid::new(format!("vary[{k}].key"), format!("{key} varies twice")));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn known_names(expression: &Expression, variables: &[Variable], key: &str) -> Result<(), Invalid> {
+    let unknown = expression.names().into_iter().find(|name| !variables.iter().any(|one| one.name == *name));
+    match unknown {
+        None => Ok(()),
+        Some(name) => {
+            let names: Vec<&str> = variables.iter().map(|one| one.name.as_str()).collect();
+            Err(Invalid::new(key, format!("{name} is no variable; there are {}", names.join(", "))))
+        }
+    }
+}
+
+/// Derived variables, each after what it is computed from.
+fn order(variables: &[Variable]) -> Result<Vec<usize>, Invalid> {
+    let mut order = Vec::new();
+    let mut left: Vec<usize> = Vec::new();
+    for (k, one) in variables.iter().enumerate() {
+        if let Source::Derived(expression) = &one.source {
+            known_names(expression, variables, &format!("vary[{k}].expression"))?;
+            left.push(k);
+        }
+    }
+    while !left.is_empty() {
+        let waits = |k: &usize| match &variables[*k].source {
+            Source::Derived(expression) => {
+                let names = expression.names();
+                left.iter().any(|other| names.contains(&variables[*other].name.as_str()))
+            }
+            _ => false,
+        };
+        let (stay, ready): (Vec<usize>, Vec<usize>) = left.iter().partition(|k| waits(k));
+        if ready.is_empty() {
+            let names: Vec<&str> = stay.iter().map(|&k| variables[k].name.as_str()).collect();
+            let what = format!("is computed in a circle: {}", names.join(", "));
+            return Err(Invalid::new(format!("vary[{}].expression", stay[0]), what));
+        }
+        order.extend(ready);
+        left = stay;
+    }
+    Ok(order)
+}
+
+/// A design's table.
+struct Columns {
+    names: Vec<String>,
+    rows: Vec<Vec<Option<Scalar>>>,
+}
+
+impl Columns {
+    fn read(text: &str) -> Result<Self, String> {
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
+        let error = |error: csv::Error| format!("is no table: {error}");
+        let names: Vec<String> = reader.headers().map_err(error)?.iter().map(str::to_owned).collect();
+        if names.iter().any(String::is_empty) {
+            return Err("has a column without a name".into());
+        }
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            let record = record.map_err(error)?;
+            rows.push(record.iter().map(|cell| (!cell.is_empty()).then(|| Scalar::of_cell(cell))).collect());
+            if rows.len() as u64 > MOST_POINTS {
+                return Err(format!("has more than {MOST_POINTS} points"));
+            }
+        }
+        match rows.is_empty() {
+            true => Err("has no points".into()),
+            false => Ok(Self { names, rows }),
+        }
+    }
+
+    /// Its rows with a cell for each variable, empty where it has no column.
+    fn of(self, variables: &[Variable]) -> Vec<Vec<Option<Scalar>>> {
+        let places: Vec<_> = variables.iter().map(|one| self.names.iter().position(|name| *name == one.name)).collect();
+        let row = |cells: Vec<Option<Scalar>>| places.iter().map(|place| cells.get((*place)?)?.clone()).collect();
+        self.rows.into_iter().map(row).collect()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::vary::{Keys, Range};
+
+    fn vary(name: &str, key: &str, change: impl FnOnce(&mut Vary)) -> Vary {
+        let mut one = Vary { name: Some(name.into()), ..Vary::default() };
+        if !key.is_empty() {
+            one.key = Some(Keys::One(key.into()));
+        }
+        change(&mut one);
+        one
+    }
+
+    fn numbers(values: &[f64]) -> Option<Vec<Scalar>> {
+        Some(values.iter().map(|&v| Scalar::Number(v)).collect())
+    }
+
+    fn top() -> Vary {
+        vary("n_top", "stack.layer[0].n", |v| v.values = numbers(&[1.41, 1.42]))
+    }
+
+    fn below() -> Vary {
+        vary("n_below", "stack.layer[1].n", |v| v.expression = Some("n_top - step".into()))
+    }
+
+    fn step() -> Vary {
+        vary("step", "", |v| v.linear = Some(Range { from: 0.0, to: 0.02, points: 3 }))
+    }
+
+    fn plan(vary: &[Vary], require: &[&str], design: Design) -> Result<Plan, Invalid> {
+        let require: Vec<_> = require.iter().map(|text| Require { expression: (*text).into(), reason: None }).collect();
+        Plan::new(vary, &require, &design, Some("n_top,n_below\n1.4,1.39\n1.5,\n"))
+    }
+
+    #[test]
+    fn points_are_scenes_of_their_own() {
+        let plan = plan(&[below(), top(), step()], &["n_below > 1.395"], Design::Grid {}).unwrap();
+        assert_eq!(plan.count(), 6);
+        let point = plan.point(1).unwrap();
+        assert_eq!(point.values.iter().map(|v| v.number().unwrap()).collect::<Vec<_>>(), [1.41 - 0.01, 1.41, 0.01]);
+        assert_eq!(plan.point(2).unwrap_err(), "n_below > 1.395 does not hold");
+        let base = "[[stack.layer]]\nn = 1.0 # top\n[[stack.layer]]\nn = 2.0\n";
+        let text = plan.scene_text(base, &point).unwrap();
+        assert_eq!(text, "[[stack.layer]]\nn = 1.41 # top\n[[stack.layer]]\nn = 1.4\n");
+        let error = plan.scene_text("[stack]\n", &point).unwrap_err();
+        assert_eq!(error.key, "vary[0].key");
+    }
+
+    #[test]
+    fn a_table_gives_its_columns() {
+        let bare = vary("n_top", "stack.layer[0].n", |_| {});
+        let file = || Design::Csv { file: "points.csv".into() };
+        let below = vary("n_below", "stack.layer[1].n", |_| {});
+        let found = plan(&[bare.clone(), below.clone()], &[], file()).unwrap();
+        assert_eq!((found.count(), found.point(0).unwrap().values), (2, numbers(&[1.4, 1.39]).unwrap()));
+        assert!(found.point(1).unwrap_err().contains("empty cell"));
+        // A column without an entry is a key.
+        let found = plan(&[bare], &[], file()).unwrap();
+        assert_eq!(found.names().collect::<Vec<_>>(), ["n_top", "n_below"]);
+        assert!(plan(&[top(), below], &[], file()).unwrap_err().message.contains("column of the design's table too"));
+    }
+
+    #[test]
+    fn what_does_not_fit_together_is_told_with_its_key() {
+        let drawn = || vary("d", "x.d", |v| v.uniform = Some([1.0, 2.0]));
+        let circle = [
+            vary("a", "x.a", |v| v.expression = Some("b + 1".into())),
+            vary("b", "x.b", |v| v.expression = Some("a + 1".into())),
+        ];
+        let sobol = || Design::Sobol { points: 8, seed: 0 };
+        for (found, key, said) in [
+            (plan(&[drawn()], &[], Design::Grid {}), "vary[0]", "a grid needs an axis"),
+            (plan(&[vary("d", "x.d", |_| {})], &[], sobol()), "vary[0]", "has no values"),
+            (plan(&[drawn(), drawn()], &[], sobol()), "vary[1].name", "twice"),
+            (
+                plan(&[drawn(), vary("e", "x.d", |v| v.fixed = Some(Scalar::Flag(true)))], &[], sobol()),
+                "vary[1].key",
+                "varies twice",
+            ),
+            (plan(&circle, &[], sobol()), "vary[0].expression", "in a circle: a, b"),
+            (plan(&[below(), top()], &[], Design::Grid {}), "vary[0].expression", "step is no variable"),
+            (plan(&[top()], &["n_tip > 1"], Design::Grid {}), "require[0].expression", "there are n_top"),
+            (plan(&[top()], &["n_top >"], Design::Grid {}), "require[0].expression", "ends where"),
+            (
+                plan(&[vary("1d", "x.d", |v| v.fixed = Some(Scalar::Flag(true)))], &[], sobol()),
+                "vary[0].name",
+                "letters",
+            ),
+            (
+                plan(&[vary("max", "x.d", |v| v.fixed = Some(Scalar::Flag(true)))], &[], sobol()),
+                "vary[0].name",
+                "function",
+            ),
+            (
+                plan(&[Vary { values: numbers(&[1.0]), ..Vary::default() }], &[], sobol()),
+                "vary[0]",
+                "neither a key nor a name",
+            ),
+            (plan(&[vary("d", "x..d", |_| {})], &[], sobol()), "vary[0].key", "no key can have"),
+        ] {
+            let found = found.unwrap_err();
+            assert!(found.key == key && found.message.contains(said), "{found}");
+        }
+    }
+}

@@ -1,0 +1,242 @@
+//! Which variables matter: Morris' elementary effects and Sobol's indices, from the figures of a complete design.
+//!
+//! Morris, Technometrics 33(2), 1991, with the mean of absolute effects of Campolongo et al., Environmental Modelling &
+//! Software 22(10), 2007. First indices by Saltelli et al., Computer Physics Communications 181(2), 2010, total ones by
+//! Jansen, Computer Physics Communications 117, 1999. Intervals by resampling of trajectories or base points.
+
+use crate::camera::noise::PixelRandom;
+use serde::Serialize;
+
+/// Resamples behind an interval.
+const RESAMPLES: u32 = 1000;
+
+/// A figure with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Interval {
+    /// The figure.
+    pub value: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// Effects of one variable over half of its range, in the unit of the figure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Effects {
+    /// Mean of the absolute effects: how much it matters.
+    pub mean_absolute: Interval,
+    /// Mean of the effects.
+    pub mean: Interval,
+    /// Standard deviation of the effects: how much it bends, or depends on other variables.
+    pub spread: f64,
+}
+
+/// Shares of the variance of a figure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Indices {
+    /// What this variable explains alone.
+    pub first: Interval,
+    /// What is not explained without it.
+    pub total: Interval,
+}
+
+/// Why there are none.
+const CONSTANT: &str = "the figure is the same at all points";
+
+/// The 95 % interval of a statistic of `count` items, by resampling them.
+fn interval(count: usize, seed: u32, statistic: impl Fn(&[usize]) -> f64) -> Interval {
+    let all: Vec<usize> = (0..count).collect();
+    let value = statistic(&all);
+    let mut found: Vec<f64> = (0..RESAMPLES)
+        .map(|k| {
+            let mut random = PixelRandom::new(seed, k);
+            let drawn = |_| ((random.uniform() * count as f64) as usize).min(count.saturating_sub(1));
+            statistic(&(0..count).map(drawn).collect::<Vec<_>>())
+        })
+        .collect();
+    found.sort_by(f64::total_cmp);
+    let at = |share: f64| found.get((share * f64::from(RESAMPLES)) as usize).copied().unwrap_or(value);
+    Interval { value, low: at(0.025), high: at(0.975) }
+}
+
+fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    values.clone().sum::<f64>() / values.count().max(1) as f64
+}
+
+/// Effects of each of `variables` variables from the figures of a Morris design, row after row. `moved(row)` is the
+/// variable that the step to a row changed.
+///
+/// # Errors
+/// Figures that are not those of a complete design.
+pub fn effects(variables: usize, units: &[Vec<f64>], figures: &[f64]) -> Result<Vec<Effects>, String> {
+    let length = variables + 1;
+    if figures.len() != units.len() || figures.is_empty() || !figures.len().is_multiple_of(length) {
+        return Err(format!("{} figures are not those of a complete design of {}", figures.len(), units.len()));
+    }
+    // Of each trajectory one effect a variable: the change of the figure as the variable goes up.
+    let of_trajectory = |(units, figures): (&[Vec<f64>], &[f64])| {
+        let mut effects = vec![0.0; variables];
+        for k in 1..length {
+            for (variable, effect) in effects.iter_mut().enumerate() {
+                let step = units[k][variable] - units[k - 1][variable];
+                if step != 0.0 {
+                    *effect = (figures[k] - figures[k - 1]) * step.signum();
+                }
+            }
+        }
+        effects
+    };
+    let effects: Vec<Vec<f64>> = units.chunks(length).zip(figures.chunks(length)).map(of_trajectory).collect();
+    let of = |variable: usize| {
+        let seed = variable as u32;
+        let pick = |drawn: &[usize], of: fn(f64) -> f64| mean(drawn.iter().map(|&k| of(effects[k][variable])));
+        let average = mean(effects.iter().map(|one| one[variable]));
+        let squares: f64 = effects.iter().map(|one| (one[variable] - average).powi(2)).sum();
+        Effects {
+            mean_absolute: interval(effects.len(), seed, |drawn| pick(drawn, f64::abs)),
+            mean: interval(effects.len(), seed, |drawn| pick(drawn, |effect| effect)),
+            spread: (squares / (effects.len().max(2) - 1) as f64).sqrt(),
+        }
+    };
+    Ok((0..variables).map(of).collect())
+}
+
+/// Indices of each of `variables` variables from the figures of a Saltelli design, row after row.
+///
+/// # Errors
+/// Figures that are not those of a complete design, or all the same.
+pub fn indices(variables: usize, figures: &[f64]) -> Result<Vec<Indices>, String> {
+    let length = variables + 2;
+    if figures.is_empty() || !figures.len().is_multiple_of(length) {
+        return Err(format!("{} figures are not those of a complete design", figures.len()));
+    }
+    let blocks: Vec<&[f64]> = figures.chunks(length).collect();
+    let variance = |drawn: &[usize]| {
+        let both = || drawn.iter().flat_map(|&k| [blocks[k][0], blocks[k][length - 1]]);
+        let average = mean(both());
+        mean(both().map(|figure| (figure - average).powi(2)))
+    };
+    let all: Vec<usize> = (0..blocks.len()).collect();
+    let largest = figures.iter().fold(0.0, |largest: f64, figure| largest.max(figure.abs()));
+    if variance(&all).sqrt() <= 1e-12 * largest {
+        return Err(CONSTANT.into());
+    }
+    let of = |variable: usize| {
+        let seed = variable as u32;
+        // Against the mean, so that a large constant does not drown what varies.
+        let center = mean(blocks.iter().map(|block| block[0]));
+        let first = |drawn: &[usize]| {
+            let product = |&k: &usize| {
+                let block = blocks[k];
+                (block[length - 1] - center) * (block[variable + 1] - block[0])
+            };
+            mean(drawn.iter().map(product)) / variance(drawn)
+        };
+        let total = |drawn: &[usize]| {
+            let square = |&k: &usize| (blocks[k][0] - blocks[k][variable + 1]).powi(2);
+            mean(drawn.iter().map(square)) / (2.0 * variance(drawn))
+        };
+        Indices { first: interval(blocks.len(), seed, first), total: interval(blocks.len(), seed, total) }
+    };
+    Ok((0..variables).map(of).collect())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::vary::{Design, Plan, Vary};
+    use std::f64::consts::PI;
+
+    fn points(design: &Design, variables: usize, range: [f64; 2]) -> Vec<Vec<f64>> {
+        let vary: Vec<_> = (0..variables)
+            .map(|k| Vary { name: Some(format!("x{k}")), uniform: Some(range), ..Vary::default() })
+            .collect();
+        let plan = Plan::new(&vary, &[], design, None).unwrap();
+        let point = |row| plan.point(row).unwrap().values.iter().map(|v| v.number().unwrap()).collect();
+        (0..plan.count()).map(point).collect()
+    }
+
+    /// Ishigami and Homma's function with a = 7, b = 0.1.
+    fn ishigami(x: &[f64]) -> f64 {
+        x[0].sin() + 7.0 * x[1].sin().powi(2) + 0.1 * x[2].powi(4) * x[0].sin()
+    }
+
+    /// Its indices: V = a^2/8 + b pi^4/5 + b^2 pi^8/18 + 1/2, V1 = (1 + b pi^4/5)^2 / 2, V2 = a^2/8,
+    /// V13 = b^2 pi^8 (1/18 - 1/50).
+    fn exact() -> [[f64; 2]; 3] {
+        let (a, b) = (7.0f64, 0.1f64);
+        let v = a * a / 8.0 + b * PI.powi(4) / 5.0 + b * b * PI.powi(8) / 18.0 + 0.5;
+        let v1 = 0.5 * (1.0 + b * PI.powi(4) / 5.0).powi(2);
+        let (v2, v13) = (a * a / 8.0, b * b * PI.powi(8) * (1.0 / 18.0 - 1.0 / 50.0));
+        [[v1 / v, (v1 + v13) / v], [v2 / v, v2 / v], [0.0, v13 / v]]
+    }
+
+    fn found(seed: u32, points_: u32, constant: f64) -> Vec<Indices> {
+        let points = points(&Design::Saltelli { points: points_, seed }, 3, [-PI, PI]);
+        let figures: Vec<f64> = points.iter().map(|x| constant + ishigami(x)).collect();
+        indices(3, &figures).unwrap()
+    }
+
+    #[test]
+    fn ishigamis_indices_are_found() {
+        for constant in [0.0, 1e6] {
+            for (found, [first, total]) in found(1, 4096, constant).iter().zip(exact()) {
+                assert!((found.first.value - first).abs() < 0.02, "{found:?} {first}");
+                assert!((found.total.value - total).abs() < 0.02, "{found:?} {total}");
+            }
+        }
+    }
+
+    #[test]
+    fn intervals_of_indices_hold_them() {
+        // 60 scramblings of 128 base points, 6 indices each: wider than they need be, for points more even than random.
+        let mut held = [0; 6];
+        for seed in 0..60 {
+            for (k, (found, exact)) in found(seed, 128, 0.0).iter().zip(exact()).enumerate() {
+                for (j, (interval, exact)) in [found.first, found.total].into_iter().zip(exact).enumerate() {
+                    held[2 * k + j] += u32::from((interval.low..=interval.high).contains(&exact));
+                }
+            }
+        }
+        assert!(held.iter().all(|&held| held >= 52), "{held:?} of 60");
+    }
+
+    #[test]
+    fn a_column_that_is_not_swapped_shows() {
+        let points = points(&Design::Saltelli { points: 1024, seed: 1 }, 3, [-PI, PI]);
+        let mut figures: Vec<f64> = points.iter().map(|x| ishigami(x)).collect();
+        // The block that swaps the second variable computed with the first one's.
+        figures.chunks_mut(5).for_each(|block| block[2] = block[1]);
+        let [_, [first, _], _] = exact();
+        let found = indices(3, &figures).unwrap()[1];
+        assert!(found.first.high < first - 0.05 || found.first.low > first + 0.05, "{found:?}");
+    }
+
+    #[test]
+    fn effects_of_a_linear_function_are_its_slopes() {
+        let slopes = [3.0, -2.0, 0.0, 0.5];
+        let design = Design::Morris { trajectories: 12, seed: 2 };
+        let points = points(&design, 4, [1.0, 5.0]);
+        let figures: Vec<f64> =
+            points.iter().map(|x| 7.0 + x.iter().zip(slopes).map(|(x, a)| a * x).sum::<f64>()).collect();
+        // Over half of the range: 2.
+        for (found, slope) in effects(4, &points, &figures).unwrap().iter().zip(slopes) {
+            assert!((found.mean.value - 2.0 * slope).abs() < 1e-12 && found.spread < 1e-12, "{found:?}");
+            assert!((found.mean_absolute.value - 2.0 * slope.abs()).abs() < 1e-12);
+            assert!((found.mean.high - found.mean.low).abs() < 1e-12);
+        }
+        // One that bends has a spread.
+        let bent: Vec<f64> = points.iter().map(|x| x[0] * x[1]).collect();
+        assert!(effects(4, &points, &bent).unwrap()[0].spread > 0.5);
+    }
+
+    #[test]
+    fn what_is_not_whole_or_does_not_vary_has_no_indices() {
+        assert!(indices(3, &[1.0; 9]).unwrap_err().contains("complete design"));
+        assert!(indices(3, &[]).is_err());
+        assert_eq!(indices(3, &[2.0; 40]).unwrap_err(), CONSTANT);
+        assert!(effects(2, &[vec![0.0; 2], vec![0.0; 2]], &[1.0, 2.0]).unwrap_err().contains("complete design"));
+    }
+}

@@ -1,0 +1,68 @@
+//! Keys of a scene set by hand: `stack.layer[0].n=1.42`.
+
+use super::{KeyPath, Scalar};
+use crate::scene::{Invalid, LoadedScene, SceneError, at_its_place, parse};
+use std::path::Path;
+use std::str::FromStr;
+
+/// A key and the value that it takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Set {
+    /// The key.
+    pub key: KeyPath,
+    /// Its value.
+    pub value: Scalar,
+}
+
+impl FromStr for Set {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.rsplit_once('=') {
+            Some((key, value)) if !value.trim().is_empty() => {
+                Ok(Self { key: key.trim().parse()?, value: Scalar::of_cell(value.trim()) })
+            }
+            _ => Err("it must be KEY=VALUE, as in stack.layer[0].n=1.42".into()),
+        }
+    }
+}
+
+/// A scene with keys set; `file` is the one it came from. Its text is then the changed one.
+///
+/// # Errors
+/// A key that leads nowhere, a scene that breaks a rule.
+pub fn with(loaded: LoadedScene, file: &Path, sets: &[Set]) -> Result<LoadedScene, SceneError> {
+    if sets.is_empty() {
+        return Ok(loaded);
+    }
+    let at = |key: &str, why: String| at_its_place(&loaded.text, file, &Invalid::new(key, why));
+    let document = loaded.text.parse::<toml_edit::DocumentMut>();
+    let mut document = document.map_err(|error| at("", error.to_string()))?;
+    for Set { key, value } in sets {
+        key.set(document.as_item_mut(), value).map_err(|why| at(&key.to_string(), why))?;
+    }
+    let files = loaded.files.clone();
+    Ok(LoadedScene { files, ..parse(&document.to_string(), file)? })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::preset;
+
+    #[test]
+    fn keys_are_set_and_checked() {
+        let set = |text: &str| with(preset("contact-disc").unwrap(), Path::new("disc.toml"), &[text.parse().unwrap()]);
+        let loaded = set("stack.layer[0].n = 1.42").unwrap();
+        assert_eq!(loaded.scene.stack.layer[0].n, Some(1.42));
+        assert_ne!(loaded.identity(), preset("contact-disc").unwrap().identity());
+        let error = set("stack.layer[0].n=-1").unwrap_err();
+        assert_eq!(error.key.as_deref(), Some("stack.layer[0].n"));
+        assert!(set("stack.layer[7].n=1").unwrap_err().to_string().contains("elements"));
+        assert!(set("stack.layer[0].m=1").unwrap_err().message.contains("unknown key"));
+        for bad in ["", "a", "a=", "=1", "a..b=1"] {
+            assert!(bad.parse::<Set>().is_err(), "{bad}");
+        }
+    }
+}

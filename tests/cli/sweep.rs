@@ -1,0 +1,253 @@
+//! Sweeps: every point is computed once, whatever ends a run; what is wrong is told before anything is written.
+
+use super::folders::{Background, wait_until};
+use super::*;
+
+/// Four indices and two radii of a disc of contact: 8 points, two of which a constraint leaves out.
+const SWEEP: &str = "[sweep]\nscene = \"disc.toml\"\ndesign = { kind = \"grid\" }\n\
+                     [[vary]]\nname = \"top\"\nkey = \"stack.layer[0].n\"\nlinear = { from = 1.40, to = 1.43, points = 4 }\n\
+                     [[vary]]\nname = \"radius\"\nkey = \"touch.contact.pressure.radius_mm\"\nvalues = [3, 4]\n\
+                     [[vary]]\nname = \"below\"\nkey = \"stack.layer[1].n\"\nexpression = \"top - 0.01\"\n\
+                     [[require]]\nexpression = \"top < 1.425\"\nreason = \"a top that is too dense\"\n\
+                     [[measure]]\nkind = \"mean_radiance\"\n\
+                     [[measure]]\nkind = \"contrast\"\nradius_mm = 3\naround_mm = [5, 7]\n";
+
+/// A folder with that sweep.
+fn place() -> Place {
+    let place = Place::new();
+    place.write("disc.toml", &(small("contact-disc").replace("photons = 65536", "photons = 16384\nspp = 16")));
+    place.write("sweep.toml", SWEEP);
+    place
+}
+
+fn sweep(place: &Place, arguments: &[&str]) -> Output {
+    tirtouch_in(place.path(), &[&["sweep"], arguments].concat())
+}
+
+fn run(place: &Place, out: &str, flags: &[&str]) -> Output {
+    sweep(place, &[&["run", "sweep.toml", "-o", out, "--backend", "cpu", "--quiet"], flags].concat())
+}
+
+fn points(place: &Place, out: &str) -> String {
+    std::fs::read_to_string(place.path().join(out).join("points.csv")).unwrap()
+}
+
+fn items(place: &Place, out: &str) -> Vec<PathBuf> {
+    let is_point = |path: &PathBuf| path.file_name().unwrap() != "order.json";
+    let entries = std::fs::read_dir(place.path().join(out).join("items")).into_iter().flatten();
+    let mut items: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).filter(is_point).collect();
+    items.sort();
+    items
+}
+
+#[test]
+fn a_sweep_ends_bit_equal_whatever_stopped_it() {
+    let place = place();
+    let output = run(&place, "whole", &["--json"]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    let said = json(&output);
+    assert_eq!([&said["points"], &said["done"], &said["rejected"], &said["failed"]], [8, 6, 2, 0]);
+    assert!(said["points_per_minute"].as_f64().unwrap() > 0.0);
+    let whole = points(&place, "whole");
+    let rows: Vec<&str> = whole.lines().collect();
+    assert_eq!(rows.len(), 9, "{whole}");
+    assert!(rows[0].starts_with("row,status,top,radius,below,mean_radiance_w_m2_sr,"), "{whole}");
+    assert!(rows[1].starts_with("0,done,1.4,3,1.39,") && rows[8].contains("a top that is too dense"), "{whole}");
+
+    // Killed at any moment, with `kill -9`: nothing that was done is lost.
+    let mut killed = 0;
+    for _ in 0..4 {
+        let before = items(&place, "killed").len();
+        let flags = ["sweep", "run", "sweep.toml", "-o", "killed", "--backend", "cpu", "--quiet", "--resume"];
+        let flags = if before == 0 { &flags[..8] } else { &flags[..] };
+        let mut worker = Background::start(&place, flags);
+        wait_until("a point is done or it ends", || {
+            items(&place, "killed").len() > before || worker.child().try_wait().unwrap().is_some()
+        });
+        killed += u32::from(worker.child().try_wait().unwrap().is_none());
+        drop(worker);
+        assert!(items(&place, "killed").len() > before);
+    }
+    assert!(killed >= 2, "{killed}");
+    let kept: Vec<_> = items(&place, "killed").iter().map(|item| std::fs::read(item).unwrap()).collect();
+    assert_eq!(code(&run(&place, "killed", &["--resume"])), 0);
+    assert_eq!(points(&place, "killed"), whole);
+    let after: Vec<_> = items(&place, "killed").iter().map(|item| std::fs::read(item).unwrap()).collect();
+    assert!(kept.iter().all(|item| after.contains(item)), "what was done is not done again");
+
+    // A truncated record, one of garbage and one that is gone are computed again, and no other.
+    let all = items(&place, "killed");
+    let bytes = std::fs::read(&all[0]).unwrap();
+    std::fs::write(&all[0], &bytes[..bytes.len() / 2]).unwrap();
+    std::fs::write(&all[1], [0xff; 99]).unwrap();
+    std::fs::remove_file(&all[2]).unwrap();
+    let status = json(&sweep(&place, &["status", "killed", "--json"]));
+    assert_eq!([&status["done"], &status["damaged"]], [3, 2]);
+    assert!(points(&place, "killed") == whole && code(&sweep(&place, &["collect", "killed"])) == 0);
+    assert!(points(&place, "killed").contains("0,missing,1.4,3,1.39"));
+    assert_eq!(code(&run(&place, "killed", &["--resume"])), 0);
+    assert_eq!(points(&place, "killed"), whole);
+
+    // Three workers at once in one folder, and the same in two parts by hand.
+    let flags = ["sweep", "run", "sweep.toml", "-o", "shared", "--backend", "cpu", "--quiet", "--resume"];
+    let first = Background::start(&place, &flags[..8]);
+    wait_until("the folder is there", || place.path().join("shared/items/order.json").exists());
+    let others = [(); 2].map(|()| Background::start(&place, &flags));
+    for worker in others.into_iter().chain([first]) {
+        let output = worker.end();
+        assert_eq!(code(&output), 0, "{output:?}");
+    }
+    assert_eq!(points(&place, "shared"), whole);
+    for (part, flags) in [("1/2", &["--shard", "1/2"][..]), ("2/2", &["--shard", "2/2", "--resume"])] {
+        assert_eq!(code(&run(&place, "parts", flags)), 0, "{part}");
+    }
+    assert_eq!(points(&place, "parts"), whole);
+
+    // A point is a scene of its own: rendered by hand, it is the same scene.
+    let scene = sweep(&place, &["scene", "whole", "3"]);
+    assert_eq!(code(&scene), 0, "{scene:?}");
+    let scene = tirtouch::scene::parse(text(&scene.stdout), Path::new("point.toml")).unwrap().scene;
+    assert_eq!(scene.stack.layer[0].n, Some(1.41));
+    assert_eq!(scene.stack.layer[1].n, Some(1.41 - 0.01));
+    let none = sweep(&place, &["scene", "whole", "7"]);
+    assert!(code(&none) == 2 && one_line(&none).contains("a top that is too dense"), "{none:?}");
+}
+
+#[test]
+fn another_order_is_refused_with_the_difference() {
+    let place = place();
+    place.write("sweep.toml", &SWEEP.replace("points = 4", "points = 1"));
+    assert_eq!(code(&run(&place, "out", &[])), 0);
+    let before = points(&place, "out");
+    let again = run(&place, "out", &[]);
+    assert!(code(&again) == 2 && one_line(&again).contains("--resume"), "{again:?}");
+    place.write("sweep.toml", &SWEEP.replace("points = 4", "points = 2"));
+    let other = run(&place, "out", &["--resume"]);
+    assert_eq!(code(&other), 2);
+    let said = one_line(&other);
+    assert!(said.contains("line 7 of sweep") && said.contains("points = 1") && said.contains("points = 2"), "{said}");
+    let scene = std::fs::read_to_string(place.path().join("disc.toml")).unwrap();
+    place.write("sweep.toml", &SWEEP.replace("points = 4", "points = 1"));
+    place.write("disc.toml", &scene.replace("pixels = [48, 36]", "pixels = [40, 30]"));
+    let other = run(&place, "out", &["--resume"]);
+    assert!(one_line(&other).contains("of scene is \"pixels = [48, 36]\""), "{other:?}");
+    assert_eq!(points(&place, "out"), before);
+    // Replaced only where it is asked for, and only what this program wrote.
+    std::fs::write(place.path().join("out/notes.txt"), "mine").unwrap();
+    assert!(one_line(&run(&place, "out", &["--force"])).contains("notes.txt"));
+    std::fs::remove_file(place.path().join("out/notes.txt")).unwrap();
+    assert_eq!(code(&run(&place, "out", &["--force"])), 0);
+    assert_ne!(points(&place, "out"), before);
+}
+
+#[test]
+fn a_mistake_in_a_sweep_is_one_line_and_writes_nothing() {
+    let vary = |old: &str, new: &str| SWEEP.replace(old, new);
+    let axis = "linear = { from = 1.40, to = 1.43, points = 4 }";
+    for (file, line, said) in [
+        (
+            vary(axis, &format!("{axis}\nuniform = [1.4, 1.5]")),
+            "[[vary]]",
+            "has linear and uniform, which cannot all hold",
+        ),
+        (vary("stack.layer[0].n", "stack.layer[0].m"), "[[vary]]", "unknown key"),
+        (vary("stack.layer[0].n", "stack.layer[9].n"), "key = \"stack.layer[9]", "has 4 elements"),
+        (vary(axis, "uniform = [1.4, 1.4]"), "[[vary]]", "must have a width"),
+        (vary("kind = \"grid\"", "kind = \"random\", points = 1000000000"), "design", "at most 1000000"),
+        (
+            vary("values = [3, 4]", "linear = { from = 1, to = 2, points = 100000 }")
+                .replace("points = 4", "points = 10000"),
+            "design",
+            "1000000000 points",
+        ),
+        (vary("values = [3, 4]", "values = [\"wide\"]"), "[[vary]]", "must be a number"),
+        (vary("\"disc.toml\"", "\"dish.toml\""), "scene =", "dish.toml, which is not a file"),
+        (vary("kind = \"contrast\"", "kind = \"contrats\""), "contrats", "contrats"),
+        (
+            vary("kind = \"contrast\"\nradius_mm = 3", "kind = \"contrast\"\nradius_mm = 6"),
+            "around_mm",
+            "must be [inner, outer]",
+        ),
+        (vary("kind = \"mean_radiance\"", "kind = \"force\""), "force", "needs a scene with a [press]"),
+        (vary("top < 1.425", "tip < 1.425"), "tip", "tip is no variable"),
+        (vary("[sweep]", "[sweeep]"), "[sweeep]", "unknown key"),
+    ] {
+        let place = place();
+        place.write("sweep.toml", &file);
+        let before = place.names();
+        let output = run(&place, "out", &["--json"]);
+        assert_eq!(code(&output), 2, "{said}: {output:?}");
+        let error = &json(&output)["error"];
+        let message = error["message"].as_str().unwrap();
+        assert!(message.contains(said), "{said}: {message}");
+        let at = error["line"].as_u64().unwrap() as usize;
+        assert!(file.lines().nth(at - 1).unwrap().contains(line), "{line}: {message}");
+        assert_eq!(place.names(), before, "{said}");
+    }
+    let place = place();
+    for (flags, said) in [
+        (&["run", "sweep.toml", "--shard", "3/2"][..], "K from 1 to N"),
+        (&["run", "none.toml"], "none.toml"),
+        (&["status", "."], "holds no records"),
+        (&["scene", "sweep.toml", "8"], "has 8 points"),
+    ] {
+        let output = sweep(&place, flags);
+        assert!(code(&output) == 2 && one_line(&output).contains(said), "{output:?}");
+    }
+}
+
+#[test]
+fn a_point_that_fails_keeps_its_reason_and_the_others_go_on() {
+    let place = place();
+    // An exposure without light on the sensor is no fault; a photon map finer than its stack is wide is one of the scene.
+    let file = SWEEP.replace(
+        "key = \"touch.contact.pressure.radius_mm\"\nvalues = [3, 4]",
+        "key = \"render.map_texel_mm\"\nvalues = [-1, 0.5]",
+    );
+    place.write("sweep.toml", &file);
+    let output = run(&place, "out", &["--json"]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    let said = json(&output);
+    assert_eq!([&said["done"], &said["rejected"]], [3, 5], "{said}");
+    assert!(points(&place, "out").lines().nth(1).unwrap().contains("render.map_texel_mm: must be"));
+}
+
+#[test]
+fn keys_are_set_by_hand() {
+    let place = place();
+    let output = tirtouch_in(place.path(), &["inspect", "disc.toml", "--json", "--set", "stack.layer[0].n=1.45"]);
+    assert_eq!(json(&output)["layers"][0]["n"], 1.45, "{output:?}");
+    let flags = ["--spp", "4", "--photons", "1000", "--backend", "cpu", "--json", "--quiet"];
+    let set = ["--set", "stack.layer[*].n=1.4", "--set", "camera.pixels[0]=40", "-o", "set"];
+    let output = tirtouch_in(place.path(), &[&["render", "disc.toml"], &flags[..], &set[..]].concat());
+    assert_eq!(json(&output)["camera"]["pixels"][0], 40, "{output:?}");
+    // The folder's scene is the one that was rendered.
+    let kept = std::fs::read_to_string(place.path().join("set/scene.toml")).unwrap();
+    assert_eq!(tirtouch::scene::parse(&kept, Path::new("s.toml")).unwrap().scene.camera.pixels, [40, 36]);
+    for (set, said) in [
+        ("stack.layer[0].n=-1", "stack.layer[0].n: must"),
+        ("stack.layer[9].n=1", "elements"),
+        ("stack.layer[0].m=1", "unknown key"),
+        ("stack", "KEY=VALUE"),
+    ] {
+        let output = tirtouch_in(place.path(), &["inspect", "disc.toml", "--set", set]);
+        assert!(code(&output) == 2 && one_line(&output).contains(said), "{output:?}");
+    }
+
+    // A sweep without a file.
+    let by_hand = ["disc.toml", "--set", "stack.layer[0].n=1.40:1.42:3", "--measure", "contrast radius_mm=3"];
+    let output = sweep(&place, &[&by_hand, &["-o", "hand", "--backend", "cpu", "--json", "--quiet"][..]].concat());
+    assert_eq!(json(&output)["done"], 3, "{output:?}");
+    assert!(points(&place, "hand").starts_with("row,status,stack.layer[0].n,contrast,contrast_low,contrast_high,"));
+    let again = sweep(&place, &[&by_hand, &["-o", "hand", "--backend", "cpu", "--quiet", "--resume"][..]].concat());
+    assert_eq!(code(&again), 0);
+    for (arguments, said) in [
+        (&["disc.toml", "--set", "stack.layer[0].n=1:2"][..], "a range is FROM:TO:POINTS"),
+        (&["disc.toml", "--set", "stack.layer[0].n=1,2", "--measure", "brightness"], "brightness"),
+        (&["disc.toml"], "--set"),
+        (&[], "required"),
+    ] {
+        let output = sweep(&place, arguments);
+        assert!(code(&output) == 2 && one_line(&output).contains(said), "{output:?}");
+    }
+}
