@@ -1,11 +1,11 @@
 //! `sweep`: many points of one scene, none lost.
 
-use super::command::described;
+use super::command::{command_line, described};
 use super::flags::Backend;
 use super::job::watched;
 use super::{Failure, Outcome, Talk, note, print};
 use crate::output::{RESULT, Records};
-use crate::pages::sweep::{table, text};
+use crate::pages::sweep::{page, pictures, table, text};
 use crate::pipeline::Session;
 use crate::scene::open;
 use crate::sweep::{Options, Status, Sweep, SweepError, SweepFolderError, by_hand, run};
@@ -181,7 +181,13 @@ impl How {
 fn collect(sweep: &Sweep, records: &Records) -> Result<Status, Failure> {
     records.write("points.csv", &table::points_csv(sweep, records)?)?;
     records.write("times.csv", &table::times_csv(sweep, records)?)?;
-    Ok(Status::of(sweep, records))
+    if sweep.asks_sensitivity() {
+        records.write("sensitivity.csv", &table::sensitivity_csv(sweep, records)?)?;
+    }
+    let status = Status::of(sweep, records);
+    let drawn = pictures::draw(sweep, records)?;
+    records.write("report.html", &page::page(sweep, records, &status, &drawn, &command_line()).to_html())?;
+    Ok(status)
 }
 
 impl OfFolder {

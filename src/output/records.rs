@@ -125,9 +125,9 @@ impl Records {
         &self.folder
     }
 
-    /// Workers that are in it.
+    /// Other workers that are in it.
     pub fn workers(&self) -> usize {
-        worker::alive(&self.folder)
+        worker::alive(&self.folder) - usize::from(matches!(self.hold, Hold::Shared(_)))
     }
 
     /// Claims an item for this worker; alone, all are its own.
@@ -238,7 +238,7 @@ impl Records {
     fn write_at(&self, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
         let _whole = leftovers();
         let write = || {
-            let mut file = tempfile::NamedTempFile::new_in(&self.folder)?;
+            let mut file = whole_file().tempfile_in(&self.folder)?;
             file.write_all(bytes)?;
             file.as_file().sync_all()?;
             file.persist(path).map_err(|error| error.error)
@@ -304,6 +304,17 @@ fn difference(old: &Value, new: &Value) -> String {
         }
     }
     walk("", old, new).unwrap_or_default()
+}
+
+/// A file that grows beside its place. Others may read it as they may any file of this user: workers of a cluster do.
+fn whole_file() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder
 }
 
 fn unwritable(path: &Path, error: &std::io::Error) -> OutputError {

@@ -122,6 +122,7 @@ fn curves(name: &str, pressed: &Pressed) -> Result<String, PageError> {
         curves: pressed.steps.iter().map(curve).collect(),
         // The singular edge would press all else to the floor.
         highest: Some(1.6 * peak).filter(|highest| *highest > 0.0),
+        from_zero: true,
     })?)
 }
 

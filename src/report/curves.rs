@@ -37,12 +37,14 @@ pub struct CurvePlot<'a> {
     pub subtitle: &'a str,
     /// The horizontal axis.
     pub x: AxisName<'a>,
-    /// The vertical axis; 0 is always shown.
+    /// The vertical axis.
     pub y: AxisName<'a>,
     /// The curves.
     pub curves: Vec<Curve>,
     /// Greatest value shown; curves are cut off there. Absent: everything.
     pub highest: Option<f64>,
+    /// Whether 0 is shown; else the picture is of where the curves lie.
+    pub from_zero: bool,
 }
 
 /// Size of the plot, pixels.
@@ -58,14 +60,15 @@ pub fn curve_plot(plot: &CurvePlot) -> Result<String, PictureError> {
     axes::check("a point of a curve", points().flatten().chain(bands().flatten()).copied())?;
     let x = axes::range(points().map(|p| p[0]).chain(bands().map(|b| b[0]))).unwrap_or([0.0, 1.0]);
     let heights = points().map(|p| p[1]).chain(bands().flat_map(|b| [b[1], b[2]]));
-    let y = axes::range(heights.chain([0.0])).unwrap_or([0.0, 1.0]);
+    let zero = plot.from_zero.then_some(0.0);
+    let y = axes::range(heights.chain(zero)).unwrap_or([0.0, 1.0]);
     let ([left, right], [bottom, top]) = (axes::widened(x[0], x[1]), axes::widened(y[0], y[1]));
     // A twentieth of room, but none below a floor of 0.
     let room = 0.05 * (top - bottom);
     let axes = Axes {
         area: [86.0, 76.0, SIZE[0], SIZE[1]],
-        low: [left, if bottom < 0.0 { bottom - room } else { 0.0 }],
-        high: [right, plot.highest.unwrap_or(if top > 0.0 { top + room } else { top })],
+        low: [left, if bottom < 0.0 || !plot.from_zero { bottom - room } else { 0.0 }],
+        high: [right, plot.highest.unwrap_or(if top > 0.0 || !plot.from_zero { top + room } else { top })],
     };
     let keys: Vec<Key> = plot.curves.iter().enumerate().filter(|(_, c)| !c.name.is_empty()).map(key).collect();
     let legend_top = 76.0 + SIZE[1] + 68.0;
@@ -152,6 +155,7 @@ mod tests {
                 curve("Hertz", closed, vec![], CurveStyle::Dashed),
                 curve("softer, with its error", soft, band, CurveStyle::Line),
             ],
+            from_zero: true,
             highest: None,
         }
     }

@@ -329,7 +329,8 @@ fn signal_to_noise(shot: &Shot, baseline: &Shot, pixels: &[usize]) -> Value {
     let scene = shot.prepared.scene();
     let sensor = &scene.camera.sensor;
     let electrons = |mean: &[f64], like: &Film| {
-        let mean = mean.iter().map(|&v| v as f32).collect();
+        // Where a pixel has its light from one group alone, the mean of the others may round to below 0.
+        let mean = mean.iter().map(|&v| v.max(0.0) as f32).collect();
         let film = Film { width: like.width, height: like.height, mean, ..Film::default() };
         expected_electrons(&film, &scene.camera, scene.light.wavelength_nm)
     };

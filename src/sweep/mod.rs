@@ -8,9 +8,11 @@ pub mod by_hand;
 mod file;
 mod measure;
 mod run;
+mod sensitivity;
 mod status;
 
 pub use file::{RandomNumbers, Rejected, Settings, Sweep, SweepFile, SweepFolderError, schema};
 pub use measure::{Measure, Told};
 pub use run::{Options, Record, Seconds, State, SweepError, Traced, run};
+pub use sensitivity::Sensitivity;
 pub use status::Status;

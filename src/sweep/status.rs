@@ -18,7 +18,7 @@ pub struct Status {
     pub failed: usize,
     /// Records that cannot be read; they are computed again.
     pub damaged: usize,
-    /// Workers in the folder.
+    /// Other workers in the folder.
     pub workers: usize,
 }
 

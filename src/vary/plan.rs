@@ -126,13 +126,17 @@ impl Plan {
         (0..self.variables.len()).filter(|&k| self.variables[k].source.is_free()).collect()
     }
 
+    /// A point of the unit cube: a coordinate for each variable that the design draws.
+    pub fn unit(&self, row: usize) -> Vec<f64> {
+        self.units.point(row)
+    }
+
     /// A point; a reason in place of the rest where it breaks a constraint, or a value cannot be computed.
     ///
     /// # Errors
     /// That reason.
     pub fn point(&self, row: usize) -> Result<Point, String> {
-        let unit = self.units.point(row);
-        let mut units = unit.into_iter();
+        let mut units = self.unit(row).into_iter();
         let mut values: Vec<Option<Scalar>> = (self.variables.iter().enumerate())
             .map(|(k, one)| match &one.source {
                 Source::Fixed(value) => Some(value.clone()),

@@ -48,6 +48,7 @@ impl Pictures {
                 y,
                 curves,
                 highest: None,
+                from_zero: true,
             })
         };
         let window = format!("parabola over {}", reading.window_text());

@@ -36,6 +36,7 @@ fn reflectance(context: &Context) -> Result<String, PageError> {
         y: AxisName { quantity: "reflectance", unit: "" },
         curves,
         highest: None,
+        from_zero: true,
     })?)
 }
 

@@ -1,5 +1,7 @@
 //! What is said of a sweep: tables, and words.
 
+pub mod page;
+pub mod pictures;
 pub mod table;
 
 use super::facts::{columns, figure};

@@ -2,7 +2,8 @@
 
 use crate::output::Records;
 use crate::pages::PageError;
-use crate::sweep::{State, Sweep, Told};
+use crate::sweep::{Sensitivity, State, Sweep, Told};
+use crate::vary::sensitivity::Interval;
 
 fn text(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
@@ -76,4 +77,39 @@ pub fn times_csv(sweep: &Sweep, records: &Records) -> Result<String, PageError> 
         Some([row.to_string()].into_iter().chain(times).chain([spp, photons, adapter]).collect())
     });
     table("times.csv", head.to_vec(), rows)
+}
+
+/// `sensitivity.csv`: what each variable does to each figure; a figure without says why.
+///
+/// # Errors
+/// Never for what a sweep holds.
+pub fn sensitivity_csv(sweep: &Sweep, records: &Records) -> Result<String, PageError> {
+    let head = ["figure", "variable", "quantity", "value", "low", "high", "note"].map(str::to_owned);
+    let names = sweep.free_names();
+    let mut rows = Vec::new();
+    for (figure, found) in sweep.sensitivity(records) {
+        let mut add = |variable: &str, quantity: &str, value: &Interval| {
+            let [value, low, high] = [value.value, value.low, value.high].map(|value| value.to_string());
+            rows.push([figure.into(), variable.into(), quantity.into(), value, low, high, String::new()].to_vec());
+        };
+        match found {
+            Ok(Sensitivity::Effects(all)) => {
+                for (one, name) in all.iter().zip(&names) {
+                    add(name, "mean_absolute_effect", &one.mean_absolute);
+                    add(name, "mean_effect", &one.mean);
+                }
+            }
+            Ok(Sensitivity::Indices(all)) => {
+                for (one, name) in all.iter().zip(&names) {
+                    add(name, "first_index", &one.first);
+                    add(name, "total_index", &one.total);
+                }
+            }
+            Err(why) => {
+                let empty = String::new;
+                rows.push([figure.into(), empty(), empty(), empty(), empty(), empty(), why].to_vec());
+            }
+        }
+    }
+    table("sensitivity.csv", head.to_vec(), rows.into_iter())
 }
