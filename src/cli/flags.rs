@@ -57,7 +57,7 @@ pub struct Common {
     /// Press the phantom without its inclusions, on the same mesh: makes a reference frame.
     #[arg(long)]
     pub without_inclusions: bool,
-    /// Set a key of the scene, as in stack.layer[0].n=1.42; may be given again.
+    /// Set a key of the scene, as in `stack.layer[0].n=1.42`; may be given again.
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<Set>,
     #[command(flatten)]

@@ -29,7 +29,7 @@ pub(super) struct Inspect {
     /// Rounds of that.
     #[arg(long, value_name = "N", default_value_t = 5, requires = "gains", value_parser = clap::value_parser!(u32).range(2..=100), allow_negative_numbers = true)]
     rounds: u32,
-    /// Set a key of the scene, as in stack.layer[0].n=1.42; may be given again.
+    /// Set a key of the scene, as in `stack.layer[0].n=1.42`; may be given again.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<Set>,
     #[command(flatten)]

@@ -33,7 +33,7 @@ pub(super) struct Press {
     /// Press the phantom without its inclusions, on the same mesh.
     #[arg(long)]
     without_inclusions: bool,
-    /// Set a key of the scene, as in stack.layer[0].n=1.42; may be given again.
+    /// Set a key of the scene, as in `stack.layer[0].n=1.42`; may be given again.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<Set>,
     #[command(flatten)]
