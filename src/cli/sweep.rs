@@ -5,7 +5,7 @@ use super::flags::Backend;
 use super::job::watched;
 use super::{Failure, Outcome, Talk, note, print};
 use crate::output::{RESULT, Records};
-use crate::pages::sweep::{page, pictures, table, text};
+use crate::pages::sweep::{dataset, page, pictures, table, text};
 use crate::pipeline::Session;
 use crate::scene::open;
 use crate::sweep::{Options, Status, Sweep, SweepError, SweepFolderError, by_hand, run};
@@ -183,6 +183,15 @@ fn collect(sweep: &Sweep, records: &Records) -> Result<Status, Failure> {
     records.write("times.csv", &table::times_csv(sweep, records)?)?;
     if sweep.asks_sensitivity() {
         records.write("sensitivity.csv", &table::sensitivity_csv(sweep, records)?)?;
+    }
+    if let Some(images) = &sweep.file.sweep.images {
+        for split in ["train", "test"] {
+            if sweep.kept(records).any(|(row, _)| images.split(row) == split) {
+                let labels = dataset::metadata_csv(sweep, images, records, split)?;
+                records.write(&format!("{split}/metadata.csv"), &labels)?;
+            }
+        }
+        records.write("README.md", &dataset::card(sweep, images, records))?;
     }
     let status = Status::of(sweep, records);
     let drawn = pictures::draw(sweep, records)?;

@@ -4,7 +4,7 @@ use super::leftovers::leftovers;
 use super::worker::{self, CLAIMS, WORKERS, Worker};
 use super::{Claim, Claimed, OutputError, RESULT, Remedy, SCENE};
 use crate::film::{Film, RADIANCE_UNIT};
-use crate::image_io::{Provenance, read_radiance, write_radiance};
+use crate::image_io::{ImageError, Provenance, read_radiance, write_radiance};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 /// Where the records are, and what they belong to.
 const ITEMS: &str = "items";
 const ORDER: &str = "order.json";
+/// Folders of images.
+const SPLITS: [&str; 2] = ["train", "test"];
 /// Files beside the records.
 const TABLES: [&str; 9] =
     [SCENE, RESULT, "sweep.toml", "points.csv", "times.csv", "sensitivity.csv", "report.html", "README.md", "job.sh"];
@@ -235,6 +237,25 @@ impl Records {
         self.write_at(&path, bytes)
     }
 
+    /// The same, written by `write` to a place that it is given.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write_with(
+        &self,
+        name: &str,
+        write: impl FnOnce(&Path) -> Result<(), ImageError>,
+    ) -> Result<(), OutputError> {
+        let path = self.folder.join(name);
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent).map_err(|error| unwritable(parent, &error))?;
+        }
+        let _whole = leftovers();
+        let made = whole_file().tempfile_in(&self.folder).map_err(|error| unwritable(&path, &error))?;
+        write(made.path())?;
+        made.persist(&path).map(|_| ()).map_err(|error| unwritable(&path, &error.error))
+    }
+
     fn write_at(&self, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
         let _whole = leftovers();
         let write = || {
@@ -255,7 +276,7 @@ fn strange(folder: &Path) -> Option<PathBuf> {
         let name = named(path);
         let figures = name.starts_with("converge") && (name.ends_with(".csv") || name.ends_with(".svg"));
         match path.is_dir() {
-            true => [ITEMS, CLAIMS, WORKERS, "images"].contains(&name.as_str()),
+            true => [ITEMS, CLAIMS, WORKERS, SPLITS[0], SPLITS[1]].contains(&name.as_str()),
             // `.tmp...` is what a killed run was writing.
             false => figures || TABLES.contains(&name.as_str()) || name.starts_with(".tmp"),
         }
@@ -264,8 +285,14 @@ fn strange(folder: &Path) -> Option<PathBuf> {
         let kind = path.extension().and_then(|kind| kind.to_str());
         path.is_file() && matches!(kind, Some("json" | "exr" | PARTIAL))
     };
+    // Images of points begin with their row.
+    let is_image = |path: &PathBuf| {
+        let name = named(path);
+        path.is_file() && (name == "metadata.csv" || name.bytes().take(7).filter(u8::is_ascii_digit).count() == 7)
+    };
     let items = folder.join(ITEMS);
-    entries(folder).find(|path| !is_ours(path)).or_else(|| entries(&items).find(|path| !is_item(path)))
+    let images = || SPLITS.iter().flat_map(|split| entries(&folder.join(split))).find(|path| !is_image(path));
+    entries(folder).find(|path| !is_ours(path)).or_else(|| entries(&items).find(|path| !is_item(path))).or_else(images)
 }
 
 /// Where two orders differ first, in words.

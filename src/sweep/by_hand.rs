@@ -61,6 +61,7 @@ pub fn sweep(
         target_error: None,
         seed: None,
         random_numbers: Default::default(),
+        images: None,
     };
     let file = SweepFile { sweep: settings, vary, require: Vec::new(), measure };
     let text = toml::to_string(&file).map_err(|error| Invalid::new("sweep", error.to_string()))?;

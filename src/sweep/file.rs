@@ -1,6 +1,6 @@
 //! The file of a sweep: a scene, what varies, constraints, the design of points and what is measured.
 
-use super::Measure;
+use super::{Images, Measure};
 use crate::output::Records;
 use crate::scene::{
     DataFileError, Input, Invalid, LoadedScene, SceneError, at_its_place, load, parse, parse_file, preset, read_text,
@@ -47,6 +47,8 @@ pub struct Settings {
     /// `common`.
     #[serde(default)]
     pub random_numbers: RandomNumbers,
+    /// Images that are kept, as a data set. Absent: none.
+    pub images: Option<Images>,
 }
 
 /// Whether points share their random numbers.
@@ -92,7 +94,11 @@ pub enum Rejected {
 const OF_ALL_POINTS: [&str; 4] = ["syntax", "unknown_key", "missing_key", "wrong_type"];
 
 fn rules(file: &SweepFile) -> Result<(), Invalid> {
-    if file.measure.is_empty() {
+    if let Some(images) = file.sweep.images.filter(|images| !(0.0..=1.0).contains(&images.test_share)) {
+        let what = format!("must be from 0 to 1, is {}", images.test_share);
+        return Err(Invalid::new("sweep.images.test_share", what));
+    }
+    if file.measure.is_empty() && file.sweep.images.is_none() {
         return Err(Invalid::new(
             "measure",
             "is missing: say what is measured; for example [[measure]] kind = \"mean_radiance\"",
@@ -131,6 +137,17 @@ fn rules(file: &SweepFile) -> Result<(), Invalid> {
 }
 
 impl Sweep {
+    /// Whether images are traced.
+    pub fn needs_light(&self) -> bool {
+        self.file.sweep.images.is_some() || self.file.measure.iter().any(Measure::needs_light)
+    }
+
+    /// Whether images without inclusions are traced.
+    pub fn needs_baseline(&self) -> bool {
+        let kept = self.file.sweep.images.is_some_and(|images| images.baseline);
+        kept || self.file.measure.iter().any(Measure::needs_baseline)
+    }
+
     /// Reads a sweep file, its scene and its table.
     ///
     /// # Errors
@@ -184,6 +201,11 @@ impl Sweep {
             && sweep.base.scene.press.is_none()
         {
             return Err(Invalid::new(format!("measure[{k}].kind"), "needs a scene with a [press]"));
+        }
+        if sweep.file.sweep.images.is_some_and(|images| images.baseline || images.masks)
+            && sweep.base.scene.press.is_none()
+        {
+            return Err(Invalid::new("sweep.images", "has a baseline or masks, which need a scene with a [press]"));
         }
         if let Some(k) = sweep.file.measure.iter().position(Measure::needs_baseline)
             && sweep.base.scene.press.is_none()

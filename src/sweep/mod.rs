@@ -6,12 +6,14 @@
 
 pub mod by_hand;
 mod file;
+mod images;
 mod measure;
 mod run;
 mod sensitivity;
 mod status;
 
 pub use file::{RandomNumbers, Rejected, Settings, Sweep, SweepFile, SweepFolderError, schema};
+pub use images::{Format, Images, Kept, Loads};
 pub use measure::{Measure, Told};
 pub use run::{Options, Record, Seconds, State, SweepError, Traced, run};
 pub use sensitivity::Sensitivity;

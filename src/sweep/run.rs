@@ -1,7 +1,7 @@
 //! Computing the points of a sweep: the next one is pressed while this one is traced.
 
 use super::measure::Found;
-use super::{Measure, RandomNumbers, Rejected, Sweep, Told};
+use super::{Kept, Loads, RandomNumbers, Rejected, Sweep, Told};
 use crate::mechanics::from_scene::press_setup;
 use crate::mechanics::path::PathError;
 use crate::mechanics::press::{PressError, PressStep, Pressed};
@@ -60,6 +60,9 @@ pub struct Record {
     pub figures: Vec<Told>,
     /// Of its image.
     pub traced: Option<Traced>,
+    /// Its images that were kept.
+    #[serde(default)]
+    pub images: Vec<Kept>,
     /// What computed it.
     pub version: String,
     /// Where its time went.
@@ -328,13 +331,12 @@ fn ready(
         Rejected::Sweep(broken) => Some((State::Failed, broken.to_string())),
     })?;
     let order = order(sweep, &loaded);
-    let measures = &sweep.file.measure;
-    if !measures.iter().any(Measure::needs_light) {
+    if !sweep.needs_light() {
         let pressed = session.press(&loaded, &order, observe).map_err(failed)?;
         return Ok(Scene { pressed: Some(pressed), image: None, baseline: None });
     }
     let image = session.prepare(loaded, &order, observe).map_err(failed)?;
-    let baseline = match measures.iter().any(Measure::needs_baseline) {
+    let baseline = match sweep.needs_baseline() {
         true => Some(Box::new(session.baseline(&image, observe).map_err(failed)?)),
         false => None,
     };
@@ -370,6 +372,7 @@ fn finish(
         values,
         figures: Vec::new(),
         traced: None,
+        images: Vec::new(),
         version: env!("CARGO_PKG_VERSION").into(),
         seconds: Seconds { press: press_seconds, ..Seconds::default() },
     };
@@ -378,18 +381,15 @@ fn finish(
         observe(Stage { done: (tally.done as f64 + stage.done) / tally.of.max(1) as f64, what: &what_is_traced })
     };
     let end = match what {
-        Ok(scene) => measure(sweep, session, &scene, &mut record, &mut watch),
-        Err((status, reason)) => Err(Ok((status, reason))),
+        Ok(scene) => measure(sweep, records, session, &scene, &mut record, &mut watch),
+        Err((status, reason)) => Err(End::Point(status, reason)),
     };
     match end {
         Ok(()) => {}
-        Err(Ok((status, reason))) => (record.status, record.reason) = (status, Some(reason)),
-        Err(Err(error)) => {
+        Err(End::Point(status, reason)) => (record.status, record.reason) = (status, Some(reason)),
+        Err(End::Sweep(error)) => {
             records.let_go(&item(row));
-            return Err(match error {
-                TraceError::Stopped => SweepError::Stopped,
-                error => SweepError::Device { row, error },
-            });
+            return Err(error);
         }
     }
     records.keep_item(&item(row), &record)?;
@@ -397,14 +397,22 @@ fn finish(
     Ok(())
 }
 
-/// Traces and measures; an error is the point's end, or what ends the sweep.
+/// What ends a point, or all of them.
+enum End {
+    Point(State, String),
+    Sweep(SweepError),
+}
+
+/// Traces, measures and keeps images.
 fn measure(
     sweep: &Sweep,
+    records: &Records,
     session: &Session,
     scene: &Scene,
     record: &mut Record,
     observe: &mut Observer,
-) -> Result<(), Result<(State, String), TraceError>> {
+) -> Result<(), End> {
+    let row = record.row;
     let failed = |error: PipelineError| match error {
         PipelineError::Trace(
             error @ (TraceError::Stopped
@@ -412,8 +420,11 @@ fn measure(
             | TraceError::DeviceLost(_)
             | TraceError::Memory { .. }
             | TraceError::Driver(_)),
-        ) => Err(error),
-        error => Ok((State::Failed, error.to_string())),
+        ) => End::Sweep(match error {
+            TraceError::Stopped => SweepError::Stopped,
+            error => SweepError::Device { row, error },
+        }),
+        error => End::Point(State::Failed, error.to_string()),
     };
     let start = Instant::now();
     let baseline = match &scene.baseline {
@@ -431,6 +442,27 @@ fn measure(
         }
         None => None,
     };
+    if let Some(images) = &sweep.file.sweep.images {
+        let kept = |error: OutputError| End::Sweep(error.into());
+        if let (Some(prepared), Loads::All) = (&scene.image, images.loads) {
+            let last = prepared.press.as_ref().map_or(0, |(_, load)| *load);
+            for load in 0..last {
+                let earlier = prepared.at_load(load).map_err(failed)?;
+                let shot = session.shoot(&earlier, &mut |stage| observe(stage)).map_err(failed)?;
+                record.images.push(images.keep(records, row, &shot, Some(load)).map_err(kept)?);
+            }
+        }
+        if let Some(shot) = &shot {
+            let load = shot.prepared.press.as_ref().map(|(_, load)| *load);
+            record.images.push(images.keep(records, row, shot, load).map_err(kept)?);
+            if images.masks {
+                images.keep_mask(records, row, shot).map_err(kept)?;
+            }
+        }
+        if let (Some(shot), true) = (&baseline, images.baseline) {
+            images.keep_baseline(records, row, shot).map_err(kept)?;
+        }
+    }
     record.seconds.light = start.elapsed().as_secs_f64();
     record.traced = shot.as_ref().map(|shot| Traced {
         streams: [shot.prepared.streams.light(), shot.prepared.streams.sensor()],

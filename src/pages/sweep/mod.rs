@@ -1,5 +1,6 @@
 //! What is said of a sweep: tables, and words.
 
+pub mod dataset;
 pub mod page;
 pub mod pictures;
 pub mod table;

@@ -9,7 +9,11 @@ fn text(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
 }
 
-fn table(file: &'static str, head: Vec<String>, rows: impl Iterator<Item = Vec<String>>) -> Result<String, PageError> {
+pub(super) fn table(
+    file: &'static str,
+    head: Vec<String>,
+    rows: impl Iterator<Item = Vec<String>>,
+) -> Result<String, PageError> {
     let failed = |error: csv::Error| PageError::Table { file, error };
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(&head).map_err(failed)?;

@@ -1,0 +1,217 @@
+//! Images of the points, kept as a data set: in `train/` and `test/`, with a table of their labels beside them.
+
+use super::{State, Sweep};
+use crate::camera::noise::PixelRandom;
+use crate::image_io::write_png_grey;
+use crate::mechanics::mesh::{InclusionShape, Star};
+use crate::output::{OutputError, Records};
+use crate::pipeline::{Shot, view_of};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Which images of a point are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Images {
+    /// The camera's grey frame, or the radiance.
+    #[serde(default)]
+    pub format: Format,
+    /// Of the press's last load, or of all. Default: `last`.
+    #[serde(default)]
+    pub loads: Loads,
+    /// The frame of the phantom without inclusions too, at the last load.
+    #[serde(default)]
+    pub baseline: bool,
+    /// A mask of what lies over an inclusion: its true outline, as the camera would see it on the touched face.
+    #[serde(default)]
+    pub masks: bool,
+    /// Share of the points whose images are for testing. Default: 0.
+    #[serde(default)]
+    pub test_share: f64,
+}
+
+/// What an image file holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Format {
+    /// Grey levels, as the camera gives them.
+    #[default]
+    Png,
+    /// Radiance with its variance, W/(m^2 sr).
+    Exr,
+}
+
+/// Which loads are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Loads {
+    /// The last.
+    #[default]
+    Last,
+    /// Each one.
+    All,
+}
+
+/// An image that was kept.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    /// Its file, within its split.
+    pub file: String,
+    /// The load, from 0, and its depth and force; none where nothing is pressed.
+    pub load: Option<(usize, f64, f64)>,
+    /// Millimetres on the touched face a pixel, on the axis.
+    pub mm_per_pixel: f64,
+    /// The random streams of light and sensor.
+    pub streams: [u32; 2],
+}
+
+/// Apart from all else that a seed is used for.
+const SPLIT: u32 = 0x7e57_5917;
+
+impl Images {
+    /// Whether a point's images are for testing: by its row alone, so that a larger sweep splits the same.
+    pub fn is_test(&self, row: usize) -> bool {
+        PixelRandom::new(SPLIT, row as u32).uniform() < self.test_share
+    }
+
+    /// Folder of a point's images.
+    pub fn split(&self, row: usize) -> &'static str {
+        if self.is_test(row) { "test" } else { "train" }
+    }
+
+    fn ending(self) -> &'static str {
+        match self.format {
+            Format::Png => "png",
+            Format::Exr => "exr",
+        }
+    }
+
+    /// Name of a point's image without inclusions.
+    pub fn baseline_file(&self, row: usize) -> String {
+        format!("{row:07}_baseline.{}", self.ending())
+    }
+
+    /// Name of a point's mask.
+    pub fn mask_file(row: usize) -> String {
+        format!("{row:07}_mask.png")
+    }
+
+    /// Keeps an image.
+    pub(super) fn keep(
+        &self,
+        records: &Records,
+        row: usize,
+        shot: &Shot,
+        load: Option<usize>,
+    ) -> Result<Kept, OutputError> {
+        let file = match load {
+            Some(load) => format!("{row:07}_{load}.{}", self.ending()),
+            None => format!("{row:07}.{}", self.ending()),
+        };
+        let step = shot.prepared.pressed().map(|(_, step)| step);
+        self.write(records, row, &file, shot)?;
+        Ok(Kept {
+            file,
+            load: load.zip(step).map(|(load, step)| (load, step.depth_mm, step.force_n)),
+            mm_per_pixel: shot.mm_per_pixel,
+            streams: [shot.prepared.streams.light(), shot.prepared.streams.sensor()],
+        })
+    }
+
+    /// Keeps the image without inclusions.
+    pub(super) fn keep_baseline(&self, records: &Records, row: usize, shot: &Shot) -> Result<(), OutputError> {
+        self.write(records, row, &self.baseline_file(row), shot)
+    }
+
+    fn write(&self, records: &Records, row: usize, file: &str, shot: &Shot) -> Result<(), OutputError> {
+        records.write_with(&format!("{}/{file}", self.split(row)), |path| match self.format {
+            Format::Png => shot.frame.write_png(path),
+            Format::Exr => shot.write_radiance(path, "tirtouch sweep"),
+        })
+    }
+
+    /// Keeps the mask of a point.
+    pub(super) fn keep_mask(&self, records: &Records, row: usize, shot: &Shot) -> Result<(), OutputError> {
+        let [width, height] = shot.prepared.scene().camera.pixels;
+        let mask = mask(shot);
+        let name = format!("{}/{}", self.split(row), Self::mask_file(row));
+        records.write_with(&name, |path| write_png_grey(path, width, height, &mask, 8))
+    }
+}
+
+/// 255 where a pixel sees a point of the touched face that lies over an inclusion, else 0.
+fn mask(shot: &Shot) -> Vec<u16> {
+    let scene = shot.prepared.scene();
+    let [width, height] = scene.camera.pixels.map(|pixels| pixels as usize);
+    let (Some((pressed, step)), Ok(view)) = (shot.prepared.pressed(), view_of(scene)) else {
+        return vec![0; width * height];
+    };
+    let inclusions = &pressed.setup.phantom.inclusions;
+    let pixel = |k: usize| {
+        let middle = [(k % width) as f64 + 0.5, (k / width) as f64 + 0.5];
+        let over = view.touched_from_pixel(middle).is_some_and(|[x, y]| {
+            let place = [x - step.slide_mm[0], y - step.slide_mm[1]];
+            inclusions.iter().any(|one| is_over(one, place))
+        });
+        if over { 255 } else { 0 }
+    };
+    (0..width * height).map(pixel).collect()
+}
+
+/// Whether a point of the face lies over an inclusion.
+fn is_over(inclusion: &InclusionShape, [x, y]: [f64; 2]) -> bool {
+    let [x, y] = [x - inclusion.center_mm[0], y - inclusion.center_mm[1]];
+    match &inclusion.surface {
+        Star::Ellipsoid { semi_axes_mm: [a, b, _] } => (x / a).powi(2) + (y / b).powi(2) <= 1.0,
+        Star::Mesh(mesh) => mesh.triangles.iter().any(|corners| {
+            let corner = |k: usize| mesh.vertices.get(corners[k] as usize).map_or([0.0; 2], |v| [v[0], v[1]]);
+            let side = |k: usize| {
+                let ([ax, ay], [bx, by]) = (corner(k), corner((k + 1) % 3));
+                (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+            };
+            let sides = [side(0), side(1), side(2)];
+            sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)
+        }),
+    }
+}
+
+impl Sweep {
+    /// Points whose images are kept, with them.
+    pub fn kept<'a>(&'a self, records: &'a Records) -> impl Iterator<Item = (usize, super::Record)> + 'a {
+        (0..self.plan.count()).filter_map(|row| {
+            let record = self.record(records, row).filter(|record| record.status == State::Done)?;
+            (!record.images.is_empty()).then_some((row, record))
+        })
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::TriangleMesh;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_point_lies_over_what_projects_on_it() {
+        let at = |surface| InclusionShape { center_mm: [2.0, -1.0, 9.0], surface };
+        let ellipsoid = at(Star::Ellipsoid { semi_axes_mm: [4.0, 1.0, 3.0] });
+        assert!(is_over(&ellipsoid, [5.9, -1.0]) && !is_over(&ellipsoid, [2.0, 0.1]));
+        // A tetrahedron over the triangle (0, 0), (4, 0), (0, 2).
+        let vertices = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 0.5, -1.0]];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let mesh = at(Star::Mesh(Arc::new(TriangleMesh { vertices, triangles })));
+        assert!(is_over(&mesh, [3.0, -0.6]) && !is_over(&mesh, [5.0, 0.5]) && !is_over(&mesh, [1.9, -1.0]));
+    }
+
+    #[test]
+    fn a_split_is_of_the_row_alone() {
+        let images =
+            |test_share| Images { format: Format::Png, loads: Loads::Last, baseline: false, masks: false, test_share };
+        let count = |share| (0..10_000).filter(|&row| images(share).is_test(row)).count();
+        assert_eq!(count(0.0), 0);
+        // 2000 and three standard deviations of 40.
+        assert!((1880..=2120).contains(&count(0.2)), "{}", count(0.2));
+        assert!((0..1000).all(|row| !images(0.2).is_test(row) || images(0.3).is_test(row)));
+    }
+}
