@@ -8,6 +8,7 @@ use crate::output::{RESULT, Records};
 use crate::pages::sweep::{dataset, page, pictures, table, text};
 use crate::pipeline::Session;
 use crate::scene::open;
+use crate::sweep::slurm::job;
 use crate::sweep::{Options, Status, Sweep, SweepError, SweepFolderError, by_hand, run};
 use crate::trace::{Devices, Precision};
 use clap::{Args, Subcommand};
@@ -50,10 +51,10 @@ enum What {
     Scene(SceneOf),
 }
 
-/// Compute the points of a sweep file that have no record yet, and write the tables.
+/// Compute the points of a sweep that have no record yet, and write the tables.
 #[derive(Debug, Args)]
 struct RunSweep {
-    /// Sweep file.
+    /// Sweep file, or the folder of a sweep to go on with.
     sweep: PathBuf,
     #[command(flatten)]
     how: How,
@@ -74,6 +75,15 @@ struct How {
     /// Only the part K of N of the points.
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
+    /// What computes them: this machine, or a job array of Slurm.
+    #[arg(long, value_enum, default_value_t)]
+    engine: Engine,
+    /// Tasks of the job array.
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=10_000), allow_negative_numbers = true)]
+    tasks: u32,
+    /// Send the job array, too.
+    #[arg(long)]
+    submit: bool,
     /// Threads that press beside the one that traces [default: half of the cores].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256), allow_negative_numbers = true)]
     workers: Option<u32>,
@@ -102,6 +112,16 @@ struct SceneOf {
     row: usize,
 }
 
+/// What computes the points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+enum Engine {
+    /// This machine.
+    #[default]
+    Local,
+    /// A job array of Slurm.
+    Slurm,
+}
+
 /// Part K of N.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Shard(u32, u32);
@@ -121,11 +141,11 @@ impl FromStr for Shard {
 impl SweepCommand {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         match &self.what {
-            Some(What::Run(run)) => run.how.run(&Sweep::load(&run.sweep)?),
+            Some(What::Run(run)) => run.run(),
             Some(What::Status(of)) => of.status(),
             Some(What::Collect(of)) => of.collect(),
             Some(What::Scene(of)) => of.print(),
-            None => self.by_hand.how.run(&self.by_hand.sweep()?),
+            None => self.by_hand.how.run(&self.by_hand.sweep()?, None),
         }
     }
 }
@@ -144,18 +164,36 @@ impl ByHand {
     }
 }
 
+impl RunSweep {
+    fn run(&self) -> Result<Outcome, Failure> {
+        if !self.sweep.is_dir() {
+            return self.how.run(&Sweep::load(&self.sweep)?, None);
+        }
+        if self.how.out.is_some() || self.how.force {
+            let message =
+                format!("{}: is the folder of a sweep; it takes neither --out nor --force", self.sweep.display());
+            return Err(Failure::usage(message).in_file(&self.sweep));
+        }
+        self.how.run(&Sweep::of_folder(&self.sweep)?.0, Some(&self.sweep))
+    }
+}
+
 impl How {
-    fn run(&self, sweep: &Sweep) -> Result<Outcome, Failure> {
+    /// Computes a sweep, in a folder that is there already or in one of its own.
+    fn run(&self, sweep: &Sweep, there: Option<&Path>) -> Result<Outcome, Failure> {
         let start = Instant::now();
-        let place = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&sweep.name));
+        let own = || self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&sweep.name));
+        let place = there.map_or_else(own, Path::to_path_buf);
+        let resume = self.resume || there.is_some();
+        if self.engine == Engine::Slurm {
+            return self.send(sweep, &place, resume);
+        }
         let devices = Devices::open(self.backend.choice(), Precision::F32)?;
         if let (Some(notice), false) = (devices.notice(), self.talk.quiet) {
             note(notice);
         }
-        let records = Records::join(&place, &sweep.order(), self.force, self.resume)?;
+        let records = self.records(sweep, &place, resume)?;
         let before = Status::of(sweep, &records);
-        records.write("sweep.toml", &sweep.text)?;
-        records.write("scene.toml", &sweep.base.text)?;
         let cores = std::thread::available_parallelism().map_or(2, usize::from);
         let workers = self.workers.map_or(cores.div_ceil(2), |workers| workers as usize);
         let options = Options { workers, shard: self.shard.map(|Shard(k, n)| (k, n)) };
@@ -173,6 +211,41 @@ impl How {
             true => print(&result.to_string())?,
             false => print(&text(sweep, &status, &place.display().to_string()))?,
         }
+        Ok(Outcome::Done)
+    }
+}
+
+impl How {
+    fn records(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<Records, Failure> {
+        let records = Records::join(place, &sweep.order(), self.force, resume)?;
+        records.write("sweep.toml", &sweep.text)?;
+        records.write("scene.toml", &sweep.base.text)?;
+        Ok(records)
+    }
+
+    /// Makes the folder with a job for Slurm, and sends it where that is asked for.
+    fn send(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<Outcome, Failure> {
+        let records = self.records(sweep, place, resume)?;
+        let failed = |what: &str, error: std::io::Error| Failure::failed(format!("{what}: {error}"));
+        let program = std::env::current_exe().map_err(|error| failed("this program's place", error))?;
+        let folder = std::path::absolute(place).map_err(|error| failed("the folder's place", error))?;
+        let tasks = self.tasks.min(u32::try_from(sweep.plan.count()).unwrap_or(u32::MAX));
+        records.write("job.sh", &job(&sweep.name, &program, &folder, tasks))?;
+        let mut said = format!("{}: {tasks} tasks; `sbatch job.sh` in it sends them", place.display());
+        if self.submit {
+            let sent = std::process::Command::new("sbatch").arg("job.sh").current_dir(&folder).output();
+            let sent = sent.map_err(|error| failed("sbatch", error))?;
+            let words = String::from_utf8_lossy(if sent.status.success() { &sent.stdout } else { &sent.stderr });
+            if !sent.status.success() {
+                return Err(Failure::failed(format!("sbatch: {}", words.trim())));
+            }
+            said = format!("{}: {}", place.display(), words.trim());
+        }
+        let status = Status::of(sweep, &records);
+        let mut result = json!(status);
+        (result["name"], result["tasks"], result["sent"]) = (json!(sweep.name), json!(tasks), json!(self.submit));
+        let result = described(result, Some(place));
+        print(if self.talk.json { result.to_string() } else { said }.as_str())?;
         Ok(Outcome::Done)
     }
 }

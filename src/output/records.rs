@@ -278,7 +278,7 @@ fn strange(folder: &Path) -> Option<PathBuf> {
         match path.is_dir() {
             true => [ITEMS, CLAIMS, WORKERS, SPLITS[0], SPLITS[1]].contains(&name.as_str()),
             // `.tmp...` is what a killed run was writing.
-            false => figures || TABLES.contains(&name.as_str()) || name.starts_with(".tmp"),
+            false => figures || TABLES.contains(&name.as_str()) || name.starts_with(".tmp") || name.starts_with("job-"),
         }
     };
     let is_item = |path: &PathBuf| {

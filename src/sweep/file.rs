@@ -239,6 +239,11 @@ impl Sweep {
 
     /// All that its records depend on.
     pub fn order(&self) -> Value {
+        // A preset has no place.
+        let file = match self.file.sweep.scene.starts_with("preset:") {
+            true => self.base_file.clone(),
+            false => std::path::absolute(&self.base_file).unwrap_or_else(|_| self.base_file.clone()),
+        };
         json!({
             "version": env!("CARGO_PKG_VERSION"),
             "name": self.name,
@@ -246,7 +251,7 @@ impl Sweep {
             "scene": self.base.text,
             "inputs": self.base.inputs(),
             "table": self.table,
-            "scene_file": self.base_file,
+            "scene_file": file,
         })
     }
 

@@ -10,6 +10,7 @@ mod images;
 mod measure;
 mod run;
 mod sensitivity;
+pub mod slurm;
 mod status;
 
 pub use file::{RandomNumbers, Rejected, Settings, Sweep, SweepFile, SweepFolderError, schema};

@@ -315,3 +315,43 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
     assert_eq!((bytes(image), points(&place, "set")), (before, table));
     assert_eq!(code(&run(&place, "set", &["--force"])), 0);
 }
+
+/// A stand-in for Slurm's `sbatch`: runs every task of the array, one after the other, the second one twice.
+#[cfg(unix)]
+const SBATCH: &str = "#!/bin/bash\nn=$(sed -n 's/^#SBATCH --array=1-//p' \"$1\")\nfor k in $(seq $n) 2; do\n\
+                      SLURM_ARRAY_TASK_ID=$k bash \"$1\" --backend cpu || exit 1\ndone\necho Submitted batch job 7\n";
+
+#[cfg(unix)]
+#[test]
+fn a_job_array_ends_with_the_same_bytes_as_this_machine() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let place = place();
+    assert_eq!(code(&run(&place, "local", &[])), 0);
+    place.write("sbatch", SBATCH);
+    std::fs::set_permissions(place.path().join("sbatch"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let path = format!("{}:{}", place.path().display(), std::env::var("PATH").unwrap());
+    let send = |flags: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tirtouch"));
+        command.args(["sweep", "run", "sweep.toml", "--engine", "slurm", "--tasks", "3", "--json"]).args(flags);
+        command.env("PATH", &path).current_dir(place.path()).output().unwrap()
+    };
+    let output = send(&["-o", "array", "--submit"]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    assert_eq!([&json(&output)["tasks"], &json(&output)["done"]], [3, 6]);
+    assert_eq!(points(&place, "array"), points(&place, "local"));
+    // Without --submit nothing is computed; the folder itself is enough to go on with.
+    let output = send(&["-o", "later"]);
+    assert_eq!([&json(&output)["done"], &json(&output)["sent"]], [&Value::from(0), &Value::from(false)]);
+    std::fs::remove_file(place.path().join("sweep.toml")).unwrap();
+    let output = sweep(&place, &["run", "later", "--backend", "cpu", "--quiet"]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    assert_eq!(points(&place, "later"), points(&place, "local"));
+    let wrong = sweep(&place, &["run", "later", "-o", "other"]);
+    assert!(code(&wrong) == 2 && one_line(&wrong).contains("neither --out nor --force"), "{wrong:?}");
+    // A refusal of Slurm's is one line.
+    place.write("sbatch", "#!/bin/bash\necho 'sbatch: error: invalid partition' >&2\nexit 1\n");
+    place.write("sweep.toml", SWEEP);
+    let refused = send(&["-o", "refused", "--submit"]);
+    assert_eq!(code(&refused), 3);
+    assert!(one_line(&refused).contains("invalid partition"), "{refused:?}");
+}

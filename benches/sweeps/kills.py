@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Does a sweep survive `kill -9` at any moment?
+
+    cargo build --release && python3 benches/sweeps/kills.py [--kills 100] [--seed 1]
+
+Runs a sweep of 24 points of `contact-disc` on the built-in tracer in one folder after the other, kills it after random
+times until it comes to its end, and compares: the final table is that of a sweep that was never stopped, byte by byte;
+no record that was there after a kill was written again. Every third run has a second worker beside it.
+"""
+
+import argparse
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+PROGRAM = ROOT / "target/release/tirtouch"
+SWEEP = """[sweep]
+scene = "disc.toml"
+design = { kind = "grid" }
+[[vary]]
+key = "stack.layer[0].n"
+linear = { from = 1.40, to = 1.43, points = 12 }
+[[vary]]
+key = "touch.contact.pressure.radius_mm"
+values = [3, 4]
+[[measure]]
+kind = "mean_radiance"
+[[measure]]
+kind = "contrast"
+"""
+
+
+def command(out, *more):
+    return [PROGRAM, "sweep", "run", "sweep.toml", "-o", out, "--backend", "cpu", "--quiet", *more]
+
+
+def items(folder):
+    """Inode and time of each record: one that is written again has others."""
+    found = {}
+    for path in sorted((folder / "items").glob("0*.json")):
+        status = path.stat()
+        found[path.name] = (status.st_ino, status.st_mtime_ns)
+    return found
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--kills", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    draw = random.Random(arguments.seed)
+    work = Path(tempfile.mkdtemp(prefix="tirtouch-kills-"))
+    text = (ROOT / "scenes/contact-disc.toml").read_text()
+    line = next(line for line in text.splitlines() if line.startswith("pixels = "))
+    scene = text.replace(line, "pixels = [64, 48]") + "\n[render]\nphotons = 131072\nspp = 32\nmap_texel_mm = 0.5\n"
+    (work / "disc.toml").write_text(scene)
+    (work / "sweep.toml").write_text(SWEEP)
+    start = time.monotonic()
+    subprocess.run(command("whole"), cwd=work, check=True)
+    whole_seconds = time.monotonic() - start
+    whole = (work / "whole/points.csv").read_bytes()
+
+    kills, folders, twice, wrong, done_at_kill = 0, 0, 0, 0, []
+    while kills < arguments.kills:
+        out = work / f"killed-{folders}"
+        folders += 1
+        kept = {}
+        runs = 0
+        while True:
+            more = ["--resume"] if (out / "items/order.json").exists() else []
+            if not more and out.exists():
+                # Killed before its order was there: a folder without records is replaced by hand.
+                shutil.rmtree(out)
+            workers = [subprocess.Popen(command(out.name, *more), cwd=work)]
+            if runs % 3 == 2 and more:
+                workers.append(subprocess.Popen(command(out.name, "--resume"), cwd=work))
+            runs += 1
+            try:
+                workers[0].wait(timeout=draw.uniform(0.02, 0.7 * whole_seconds))
+            except subprocess.TimeoutExpired:
+                os.kill(workers[0].pid, signal.SIGKILL)
+                kills += 1
+            codes = [worker.wait() for worker in workers]
+            now = items(out) if out.exists() else {}
+            twice += sum(1 for name, mark in kept.items() if now.get(name) != mark)
+            kept = now
+            done_at_kill.append(len(now))
+            if codes[-1] == 0 and codes[0] == 0:
+                break
+            if any(code not in (0, -signal.SIGKILL) for code in codes):
+                print(f"a run ended with {codes}", file=sys.stderr)
+                wrong += 1
+                break
+        if (out / "points.csv").read_bytes() != whole:
+            wrong += 1
+    print(f"{kills} kills in {folders} folders; records written again: {twice}; tables or ends that differ: {wrong}")
+    print(f"points there at the kills: {min(done_at_kill)} to {max(done_at_kill)} of 24")
+    shutil.rmtree(work)
+    sys.exit(1 if twice or wrong else 0)
+
+
+if __name__ == "__main__":
+    main()
