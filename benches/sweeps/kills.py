@@ -75,9 +75,6 @@ def main():
         runs = 0
         while True:
             more = ["--resume"] if (out / "items/order.json").exists() else []
-            if not more and out.exists():
-                # Killed before its order was there: a folder without records is replaced by hand.
-                shutil.rmtree(out)
             workers = [subprocess.Popen(command(out.name, *more), cwd=work)]
             if runs % 3 == 2 and more:
                 workers.append(subprocess.Popen(command(out.name, "--resume"), cwd=work))

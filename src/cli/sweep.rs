@@ -4,6 +4,7 @@ use super::command::{command_line, described};
 use super::flags::Backend;
 use super::job::watched;
 use super::{Failure, Outcome, Talk, note, print};
+use crate::output::leftovers::leftovers;
 use crate::output::{RESULT, Records};
 use crate::pages::sweep::{dataset, page, pictures, table, text};
 use crate::pipeline::Session;
@@ -72,6 +73,9 @@ struct How {
     /// Replace the folder, if this program wrote all that it holds.
     #[arg(long, conflicts_with = "resume")]
     force: bool,
+    /// Compute points that failed again.
+    #[arg(long)]
+    retry: bool,
     /// Only the part K of N of the points.
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
@@ -196,7 +200,7 @@ impl How {
         let before = Status::of(sweep, &records);
         let cores = std::thread::available_parallelism().map_or(2, usize::from);
         let workers = self.workers.map_or(cores.div_ceil(2), |workers| workers as usize);
-        let options = Options { workers, shard: self.shard.map(|Shard(k, n)| (k, n)) };
+        let options = Options { workers, shard: self.shard.map(|Shard(k, n)| (k, n)), retry: self.retry };
         let session = Session::from(devices);
         watched(self.talk.quiet, |observe| run(sweep, &records, &session, options, observe))?;
         let status = collect(sweep, &records)?;
@@ -218,6 +222,7 @@ impl How {
 impl How {
     fn records(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<Records, Failure> {
         let records = Records::join(place, &sweep.order(), self.force, resume)?;
+        leftovers().keep(format!("what was done is in {}: go on with --resume", place.display()));
         records.write("sweep.toml", &sweep.text)?;
         records.write("scene.toml", &sweep.base.text)?;
         Ok(records)

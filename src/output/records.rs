@@ -77,6 +77,8 @@ impl Records {
                     .map_err(|error| OutputError::failed(folder, format!("cannot be replaced: {error}")))?;
             }
             (true, Some(_)) => return refused("exists", Remedy::GoOn),
+            // A run that was killed before it came to its order.
+            (true, None) if is_bare(folder) => {}
             (true, None) => return refused("exists and holds no records", Remedy::Elsewhere),
         }
         std::fs::create_dir_all(folder.join(ITEMS)).map_err(|error| {
@@ -97,8 +99,12 @@ impl Records {
             if force && worker::alive(folder) > 0 {
                 return Err(OutputError::refused(folder, "other workers are in it", Remedy::Elsewhere));
             }
-            // Alone while it is made.
-            drop(Self::open(folder, order, force, false)?);
+            // Alone while it is made; of several workers that come at once, one makes it.
+            match Self::open(folder, order, force, false) {
+                Ok(made) => drop(made),
+                Err(error) if resume => await_order(folder).ok_or(error)?,
+                Err(error) => return Err(error),
+            }
         }
         let shared = Self { folder: folder.into(), hold: Hold::Shared(Worker::new(folder)?) };
         let old: Value = shared.read_json(ORDER).unwrap_or_default();
@@ -268,6 +274,27 @@ impl Records {
     }
 }
 
+/// Whether a folder holds nothing but an empty folder of items, and what a killed run was writing.
+fn is_bare(folder: &Path) -> bool {
+    let names = |folder: &Path| -> Vec<PathBuf> {
+        std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name().into()).collect()
+    };
+    let is_left = |name: &PathBuf| name == Path::new(ITEMS) || name.to_string_lossy().starts_with(".tmp");
+    let all = names(folder);
+    !all.is_empty() && all.iter().all(is_left) && names(&folder.join(ITEMS)).is_empty()
+}
+
+/// Waits until another worker has made a folder: some seconds.
+fn await_order(folder: &Path) -> Option<()> {
+    (0..100).find_map(|_| {
+        let made = folder.join(ITEMS).join(ORDER).is_file();
+        if !made {
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        made.then_some(())
+    })
+}
+
 /// Something in a folder of records, or in its items, of a kind that is never written there.
 fn strange(folder: &Path) -> Option<PathBuf> {
     let entries = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
@@ -395,5 +422,38 @@ mod tests {
         drop(records);
         std::fs::create_dir(place.path().join("mine")).unwrap();
         assert!(is_refused(&Records::open(&place.path().join("mine"), &json!(1), true, false)));
+        // What a run leaves that was killed before its order was there.
+        std::fs::create_dir(place.path().join("mine/items")).unwrap();
+        std::fs::write(place.path().join("mine/.tmpx"), "").unwrap();
+        Records::open(&place.path().join("mine"), &json!(1), false, false).unwrap();
+    }
+
+    #[test]
+    fn workers_that_come_at_once_share_a_new_folder() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("shared");
+        let made: Vec<usize> = std::thread::scope(|scope| {
+            let work = || {
+                let records = Records::join(&folder, &json!(1), false, true).unwrap();
+                let one = |item: usize| {
+                    let name = item.to_string();
+                    let free = records.item::<usize>(&name) == Item::Missing;
+                    let ours = free && records.claim(&name).unwrap() == Claimed::Ours;
+                    if ours && records.item::<usize>(&name) == Item::Missing {
+                        records.keep_item(&name, &item).unwrap();
+                    }
+                    records.let_go(&name);
+                    records.item::<usize>(&name)
+                };
+                (0..20).filter(|&item| one(item) == Item::There(item)).count()
+            };
+            let workers: Vec<_> = (0..4).map(|_| scope.spawn(work)).collect();
+            workers.into_iter().map(|worker| worker.join().unwrap()).collect()
+        });
+        assert!(made.iter().all(|&made| made > 0), "{made:?}");
+        assert!(is_refused(&Records::join(&folder, &json!(2), false, true)));
+        let (records, order) = Records::read(&folder).unwrap();
+        assert_eq!((order, records.workers()), (json!(1), 0));
+        assert!((0..20).all(|item| records.item::<usize>(&item.to_string()) == Item::There(item)));
     }
 }

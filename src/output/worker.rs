@@ -64,8 +64,8 @@ impl Worker {
                 Err(error) => return Err(failed(error)),
             }
         };
-        // Without locks the touches tell.
-        let _ = held.try_lock();
+        // Waits for whoever looks whether it is locked. Without locks the touches tell.
+        let _ = held.lock();
         let (alive, ended) = channel::<()>();
         let touched = file.clone();
         let touch = move || {

@@ -31,6 +31,8 @@ pub struct Options {
     pub workers: usize,
     /// Only the part k of n of the points, k from 1.
     pub shard: Option<(u32, u32)>,
+    /// Whether points that failed are computed again.
+    pub retry: bool,
 }
 
 /// How a point ended.
@@ -230,7 +232,7 @@ fn pass(
     std::thread::scope(|scope| {
         for _ in 0..workers {
             let sender = sender.clone();
-            scope.spawn(|| work(sweep, records, &queue, &stop, sender));
+            scope.spawn(|| work(sweep, records, &queue, &stop, options.retry, sender));
         }
         drop(sender);
         let mut left = Vec::new();
@@ -263,12 +265,19 @@ fn pass(
 }
 
 /// Makes one point after the other ready, until none is left or the caller stops.
-fn work(sweep: &Sweep, records: &Records, queue: &Mutex<VecDeque<usize>>, stop: &AtomicBool, sender: SyncSender<Sent>) {
+fn work(
+    sweep: &Sweep,
+    records: &Records,
+    queue: &Mutex<VecDeque<usize>>,
+    stop: &AtomicBool,
+    retry: bool,
+    sender: SyncSender<Sent>,
+) {
     let mut session = Session::from(Devices::cpu(Precision::F32));
     loop {
         let next = queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
         let (Some(row), false) = (next, stop.load(Ordering::Relaxed)) else { return };
-        let sent = claimed(sweep, records, row, &mut session, &mut |_| !stop.load(Ordering::Relaxed));
+        let sent = claimed(sweep, records, row, retry, &mut session, &mut |_| !stop.load(Ordering::Relaxed));
         if sender.send(sent).is_err() {
             records.let_go(&item(row));
             return;
@@ -277,9 +286,17 @@ fn work(sweep: &Sweep, records: &Records, queue: &Mutex<VecDeque<usize>>, stop: 
 }
 
 /// Makes a point ready that nobody else has.
-fn claimed(sweep: &Sweep, records: &Records, row: usize, session: &mut Session, observe: &mut Observer) -> Sent {
+fn claimed(
+    sweep: &Sweep,
+    records: &Records,
+    row: usize,
+    retry: bool,
+    session: &mut Session,
+    observe: &mut Observer,
+) -> Sent {
     let name = item(row);
-    let is_there = || matches!(records.item::<Record>(&name), Item::There(_));
+    let is_kept = |record: &Record| !(retry && record.status == State::Failed);
+    let is_there = || matches!(records.item::<Record>(&name), Item::There(record) if is_kept(&record));
     if is_there() {
         return Sent::There;
     }
