@@ -47,7 +47,9 @@ struct ByHand {
 #[derive(Debug, Subcommand)]
 enum What {
     Run(RunSweep),
+    /// How far the sweep of a folder is, from whatever records are there.
     Status(OfFolder),
+    /// Write the tables and the report of whatever records a folder has.
     Collect(OfFolder),
     Scene(SceneOf),
 }
@@ -98,7 +100,7 @@ struct How {
     talk: Talk,
 }
 
-/// How far the sweep of a folder is, from whatever records are there.
+/// A folder with records.
 #[derive(Debug, Args)]
 struct OfFolder {
     /// Folder of a sweep.
