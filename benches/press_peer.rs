@@ -227,6 +227,7 @@ fn hertz(rung: usize, nu: f64) -> Result<(Mesh, Value)> {
         symmetry: [true, false],
         resolution: Resolution {
             edge_mm: 0.2,
+            ring_share: 1.0,
             contact_mm: 0.2,
             coarsest_mm: 0.4 * FAR_MM,
             growth: 0.5,

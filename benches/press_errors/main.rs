@@ -7,7 +7,7 @@
 //! added: a mesh n times as fine shows (n - 1) / n of the error of the force. Flat punches on layers are also compared
 //! with the sharp punch's closed form (`tests/mechanics/layers.rs`); there the estimate is that of the mesh and that of
 //! the rounding together. Prints a row for each, then the share that holds and the median of estimated over true, for
-//! other factors of safety too. Takes half an hour or more on two cores, most of it for presses that rub.
+//! other factors of safety too. Takes a quarter of an hour on two cores, most of it for presses that rub.
 
 #[path = "../../tests/mechanics/layers.rs"]
 #[allow(clippy::unwrap_used, dead_code)]

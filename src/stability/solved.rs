@@ -29,6 +29,7 @@ pub fn held(
 pub fn graded(edge_mm: f64, contact_mm: f64, coarsest_mm: f64, growth: f64, subdivision: usize) -> Resolution {
     Resolution {
         edge_mm,
+        ring_share: 1.0,
         contact_mm,
         coarsest_mm,
         growth,

@@ -106,7 +106,7 @@ fn a_press_beyond_the_memory_is_refused_with_what_would_fit() {
     assert!(!place.path().join("out").exists());
     assert_eq!(code(&limited("lots", &["schema"])), 2);
     let seen = json(&limited("2", &["inspect", "scene.toml", "--json"]));
-    assert_eq!(seen["press"]["dofs"], 80_490, "{seen}");
+    assert_eq!(seen["press"]["dofs"], 101_514, "{seen}");
     assert_eq!(seen["press"]["method"], "multigrid");
     assert_eq!(seen["press"]["memory_limit_gib"], 2.0);
 }

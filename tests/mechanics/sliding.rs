@@ -18,6 +18,7 @@ fn soft() -> Material {
 fn resolution(edge_mm: f64, contact_mm: f64, coarsest_mm: f64) -> Resolution {
     Resolution {
         edge_mm,
+        ring_share: 1.0,
         contact_mm,
         coarsest_mm,
         growth: 0.7,

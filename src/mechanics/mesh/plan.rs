@@ -180,7 +180,10 @@ impl PhantomMesh {
             Outline::Circle(radius) => radius,
             Outline::Rectangle(_) => last,
         }));
-        let lines = layout.radial.lines(&radii, self.resolution.subdivision)?;
+        let (mut radial, size) = (layout.radial.clone(), self.resolution);
+        let edge = self.footprint.half_widths()[0];
+        radial.features.push([edge, edge, size.ring_share * size.edge_mm]);
+        let lines = radial.lines(&radii, size.subdivision)?;
         let places = |from: f64, to: f64| {
             let nodes = lines.between(from, to).nodes();
             nodes.into_iter().map(|x| (x - from) / (to - from)).collect()

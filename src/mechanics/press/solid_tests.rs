@@ -13,6 +13,7 @@ use std::sync::Arc;
 /// Coarse enough for seconds: the checks below hold on any mesh.
 const COARSE: Resolution = Resolution {
     edge_mm: 4.0,
+    ring_share: 1.0,
     contact_mm: 6.0,
     coarsest_mm: 14.0,
     growth: 1.5,

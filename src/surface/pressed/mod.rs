@@ -117,6 +117,7 @@ mod tests {
     use super::*;
     use crate::mechanics::from_scene::press_setup;
     use crate::mechanics::press::{PressSettings, press};
+    use crate::scene::Dimensions;
 
     #[test]
     fn slopes_of_a_pressed_phantom_do_not_depend_on_the_number_of_points() {
@@ -144,6 +145,38 @@ mod tests {
         }
         // Where nothing is pressed nothing moves: the two faces of the glass.
         assert!(default.relief(0).is_none() && default.relief(1).is_none());
+    }
+
+    #[test]
+    fn a_press_in_three_dimensions_bends_the_face_as_its_axisymmetric_sibling_out_to_the_rim() {
+        let mut loaded = crate::scene::preset("phantom-size-8mm").unwrap();
+        let mut face = |dimensions, ring_share: Option<f64>| {
+            let press_of = loaded.scene.press.as_mut().unwrap();
+            (press_of.dimensions, press_of.depths_mm) = (dimensions, Some(vec![2.0]));
+            let mut setup = press_setup(&loaded).unwrap();
+            let size = &mut setup.phantom.resolution;
+            size.ring_share = ring_share.unwrap_or(size.ring_share);
+            let pressed =
+                press(&setup, PressSettings { estimate_error: false, ..Default::default() }, &mut |_| true).unwrap();
+            pressed_surface(&loaded, &pressed, pressed.steps.last().unwrap()).unwrap()
+        };
+        let plane = face(Dimensions::Two, None);
+        let mut off = |ring_share| {
+            let solid = face(Dimensions::Three, ring_share);
+            let (solid, plane) = (solid.relief(4).unwrap(), plane.relief(4).unwrap());
+            let squares = (0..140).map(|k| {
+                let r = 0.1 * f64::from(k) + 0.05;
+                (0..4).map(move |turn| {
+                    let (sin, cos) = (0.1 + 0.4 * f64::from(turn)).sin_cos();
+                    let [_, x, y] = solid.at(r * cos, r * sin);
+                    (x * cos + y * sin - plane.at(r, 0.0)[1]).powi(2)
+                })
+            });
+            (squares.flatten().sum::<f64>() / 560.0).sqrt()
+        };
+        let (default, wide) = (off(None), off(Some(1.0)));
+        println!("slopes differ by {default:.6}, with rings as wide as they are high by {wide:.6}");
+        assert!(default < 3e-4 && wide > 2.0 * default, "{default}, {wide}");
     }
 
     #[test]

@@ -9,9 +9,10 @@
 //! such a line has a kink they jump by what two cubics differ, of third order as well.
 //!
 //! The edge of a sensor is singular, and blurs the elements that meet it: slopes of cubics fitted there went up and down
-//! by a fifth while the edge moved by one element, and with them the light. So along r the corners of these elements take
-//! the nearest cubic that sees none of them. Over the plane elements are three times as large, and cubics drawn on over
-//! two of them were further off: there, and where there is no cubic, the last elements count by their own displacement.
+//! by a fifth while the edge moved by one element, and with them the light. So where the edge is round the corners of
+//! these elements take the nearest cubic that sees none of them. At the straight edges of a rectangle elements are three
+//! times as wide, and cubics drawn on over two of them were further off: there, and where there is no cubic, the last
+//! elements count by their own displacement.
 //!
 //! The tracer's block keeps its walls where they were. A pressed body bulges past them, and the singular bend of its
 //! edge with it, but for what elements at the outline see of it. From the outline of the undeformed face outwards,
@@ -77,11 +78,12 @@ impl Sheet {
         let fitted: BTreeMap<u32, Cubic> = around.iter().filter_map(fitted).collect();
         let corners = |facet: &Facet| face.corners().iter().map(|&c| facet.nodes[c]).collect::<Vec<u32>>();
         let ends = face.facets.iter().filter(|facet| corners(facet).iter().any(|c| !fitted.contains_key(c)));
-        let blurred: HashSet<u32> = ends.filter(|_| face.axes == 1).flat_map(corners).collect();
+        let drawn_on = face.axes == 1 || matches!(outline, Footprint::Round { .. });
+        let blurred: HashSet<u32> = ends.filter(|_| drawn_on).flat_map(corners).collect();
         let sound = |(corner, cubic): (u32, Cubic)| (!blurred.contains(&corner)).then_some((corner, cubic));
         let (sound, cubics): (Vec<u32>, Vec<Cubic>) = fitted.into_iter().filter_map(sound).unzip();
         let mut of_corner: HashMap<u32, usize> = sound.iter().copied().zip(0..).collect();
-        for facet in face.facets.iter().filter(|_| face.axes == 1) {
+        for facet in face.facets.iter().filter(|_| drawn_on) {
             for &c in face.corners() {
                 let apart = |cubic: &Cubic| (0..2).map(|i| (cubic.center[i] - facet.places[c][i]).powi(2)).sum::<f64>();
                 let nearest = |a: &usize, b: &usize| apart(&cubics[*a]).total_cmp(&apart(&cubics[*b]));

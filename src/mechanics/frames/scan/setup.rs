@@ -30,6 +30,7 @@ pub struct ScanSetup {
 /// pressure somewhere between two nodes, half an element apart, and moves with the position.
 const RESOLUTION: Resolution = Resolution {
     edge_mm: 0.8,
+    ring_share: 1.0,
     contact_mm: 0.8,
     coarsest_mm: 5.0,
     growth: 0.5,

@@ -8,6 +8,7 @@ use crate::scene::{Elastic, Interface, LoadedScan, scan_preset};
 /// Elements four times those of the preset: half a percent of pressure becomes two or three.
 const COARSE: Resolution = Resolution {
     edge_mm: 1.4,
+    ring_share: 1.0,
     contact_mm: 1.4,
     coarsest_mm: 8.0,
     growth: 0.6,
