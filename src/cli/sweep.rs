@@ -6,10 +6,10 @@ use super::job::watched;
 use super::{Failure, Outcome, Talk, note, print};
 use crate::output::leftovers::leftovers;
 use crate::output::{RESULT, Records};
-use crate::pages::sweep::{dataset, page, pictures, table, text};
+use crate::pages::sweep::{text, write};
 use crate::pipeline::Session;
 use crate::scene::open;
-use crate::sweep::slurm::job;
+use crate::sweep::slurm;
 use crate::sweep::{Options, Status, Sweep, SweepError, SweepFolderError, by_hand, run};
 use crate::trace::{Devices, Precision};
 use clap::{Args, Subcommand};
@@ -205,7 +205,7 @@ impl How {
         let options = Options { workers, shard: self.shard.map(|Shard(k, n)| (k, n)), retry: self.retry };
         let session = Session::from(devices);
         watched(self.talk.quiet, |observe| run(sweep, &records, &session, options, observe))?;
-        let status = collect(sweep, &records)?;
+        let status = write(sweep, &records, &command_line())?;
         let (seconds, computed) = (start.elapsed().as_secs_f64(), status.ended().saturating_sub(before.ended()));
         let mut result = json!(status);
         result["name"] = json!(sweep.name);
@@ -233,50 +233,18 @@ impl How {
     /// Makes the folder with a job for Slurm, and sends it where that is asked for.
     fn send(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<Outcome, Failure> {
         let records = self.records(sweep, place, resume)?;
-        let failed = |what: &str, error: std::io::Error| Failure::failed(format!("{what}: {error}"));
-        let program = std::env::current_exe().map_err(|error| failed("this program's place", error))?;
-        let folder = std::path::absolute(place).map_err(|error| failed("the folder's place", error))?;
-        let tasks = self.tasks.min(u32::try_from(sweep.plan.count()).unwrap_or(u32::MAX));
-        records.write("job.sh", &job(&sweep.name, &program, &folder, tasks))?;
-        let mut said = format!("{}: {tasks} tasks; `sbatch job.sh` in it sends them", place.display());
+        let job = slurm::Job::write(sweep, &records, place, self.tasks)?;
+        let mut said = format!("{}: {} tasks; `sbatch job.sh` in it sends them", place.display(), job.tasks);
         if self.submit {
-            let sent = std::process::Command::new("sbatch").arg("job.sh").current_dir(&folder).output();
-            let sent = sent.map_err(|error| failed("sbatch", error))?;
-            let words = String::from_utf8_lossy(if sent.status.success() { &sent.stdout } else { &sent.stderr });
-            if !sent.status.success() {
-                return Err(Failure::failed(format!("sbatch: {}", words.trim())));
-            }
-            said = format!("{}: {}", place.display(), words.trim());
+            said = format!("{}: {}", place.display(), job.submit()?);
         }
         let status = Status::of(sweep, &records);
         let mut result = json!(status);
-        (result["name"], result["tasks"], result["sent"]) = (json!(sweep.name), json!(tasks), json!(self.submit));
+        (result["name"], result["tasks"], result["sent"]) = (json!(sweep.name), json!(job.tasks), json!(self.submit));
         let result = described(result, Some(place));
         print(if self.talk.json { result.to_string() } else { said }.as_str())?;
         Ok(Outcome::Done)
     }
-}
-
-/// Writes the tables of whatever records are there.
-fn collect(sweep: &Sweep, records: &Records) -> Result<Status, Failure> {
-    records.write("points.csv", &table::points_csv(sweep, records)?)?;
-    records.write("times.csv", &table::times_csv(sweep, records)?)?;
-    if sweep.asks_sensitivity() {
-        records.write("sensitivity.csv", &table::sensitivity_csv(sweep, records)?)?;
-    }
-    if let Some(images) = &sweep.file.sweep.images {
-        for split in ["train", "test"] {
-            if sweep.kept(records).any(|(row, _)| images.split(row) == split) {
-                let labels = dataset::metadata_csv(sweep, images, records, split)?;
-                records.write(&format!("{split}/metadata.csv"), &labels)?;
-            }
-        }
-        records.write("README.md", &dataset::card(sweep, images, records))?;
-    }
-    let status = Status::of(sweep, records);
-    let drawn = pictures::draw(sweep, records)?;
-    records.write("report.html", &page::page(sweep, records, &status, &drawn, &command_line()).to_html())?;
-    Ok(status)
 }
 
 impl OfFolder {
@@ -287,7 +255,7 @@ impl OfFolder {
 
     fn collect(&self) -> Result<Outcome, Failure> {
         let (sweep, records) = Sweep::of_folder(&self.folder)?;
-        let status = collect(&sweep, &records)?;
+        let status = write(&sweep, &records, &command_line())?;
         self.tell(&sweep, &status)
     }
 
@@ -337,6 +305,15 @@ impl From<SweepError> for Failure {
             SweepError::Output(error) => error.into(),
             SweepError::Device { .. } => Self::failed(error.to_string()),
             SweepError::Stopped => Self::cancelled(),
+        }
+    }
+}
+
+impl From<slurm::JobError> for Failure {
+    fn from(error: slurm::JobError) -> Self {
+        match error {
+            slurm::JobError::Output(error) => error.into(),
+            error => Self::failed(error.to_string()),
         }
     }
 }

@@ -6,8 +6,11 @@
 
 pub mod by_hand;
 mod file;
+mod finish;
 mod images;
 mod measure;
+mod ready;
+mod record;
 mod run;
 mod sensitivity;
 pub mod slurm;
@@ -16,6 +19,7 @@ mod status;
 pub use file::{RandomNumbers, Rejected, Settings, Sweep, SweepFile, SweepFolderError, schema};
 pub use images::{Format, Images, Kept, Loads};
 pub use measure::{Measure, Told};
-pub use run::{Options, Record, Seconds, State, SweepError, Traced, run};
+pub use record::{Record, Seconds, State, Traced};
+pub use run::{Options, SweepError, run};
 pub use sensitivity::Sensitivity;
 pub use status::Status;

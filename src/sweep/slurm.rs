@@ -1,10 +1,66 @@
 //! A sweep as one job array of Slurm. Records are all that its tasks share: one that was preempted, killed or lost with
 //! its node is sent again and goes on.
 
-use std::path::Path;
+use super::Sweep;
+use crate::output::{OutputError, Records};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Why a job could not be made or sent.
+#[derive(Debug, thiserror::Error)]
+pub enum JobError {
+    /// Its script could not be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The system does not say where something is, or has no Slurm.
+    #[error("{what}: {error}")]
+    System {
+        /// What was asked for.
+        what: &'static str,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// Slurm does not take it.
+    #[error("sbatch: {0}")]
+    Refused(String),
+}
+
+/// A job array in the folder of a sweep.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Job {
+    /// How many tasks it has.
+    pub tasks: u32,
+    folder: PathBuf,
+}
+
+impl Job {
+    /// Writes `job.sh` of at most so many tasks.
+    ///
+    /// # Errors
+    /// A script that cannot be written; a system that does not say where this program is.
+    pub fn write(sweep: &Sweep, records: &Records, place: &Path, tasks: u32) -> Result<Self, JobError> {
+        let failed = |what: &'static str| move |error| JobError::System { what, error };
+        let program = std::env::current_exe().map_err(failed("this program's place"))?;
+        let folder = std::path::absolute(place).map_err(failed("the folder's place"))?;
+        let tasks = tasks.min(u32::try_from(sweep.plan.count()).unwrap_or(u32::MAX));
+        records.write("job.sh", &job(&sweep.name, &program, &folder, tasks))?;
+        Ok(Self { tasks, folder })
+    }
+
+    /// Sends it: what `sbatch` says.
+    ///
+    /// # Errors
+    /// No `sbatch`, or one that refuses.
+    pub fn submit(&self) -> Result<String, JobError> {
+        let sent = Command::new("sbatch").arg("job.sh").current_dir(&self.folder).output();
+        let sent = sent.map_err(|error| JobError::System { what: "sbatch", error })?;
+        let words = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim().to_owned();
+        if sent.status.success() { Ok(words(&sent.stdout)) } else { Err(JobError::Refused(words(&sent.stderr))) }
+    }
+}
 
 /// The job's script. Each of `tasks` tasks computes its part of the points of `folder`, whose order is there already.
-pub fn job(name: &str, program: &Path, folder: &Path, tasks: u32) -> String {
+fn job(name: &str, program: &Path, folder: &Path, tasks: u32) -> String {
     let plain: String = name.chars().filter(|c| c.is_ascii_alphanumeric() || "-_.".contains(*c)).collect();
     let quoted = |path: &Path| format!("'{}'", path.display().to_string().replace('\'', "'\\''"));
     let (program, folder) = (quoted(program), quoted(folder));

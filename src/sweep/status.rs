@@ -1,6 +1,6 @@
 //! How far a sweep is, by its records.
 
-use super::run::item;
+use super::record::item;
 use super::{Record, State, Sweep};
 use crate::output::{Item, Records};
 use serde::Serialize;

@@ -124,13 +124,13 @@ impl Source {
             Vary { values: Some(values), .. } => list(values, "values")?,
             Vary { choice: Some(values), .. } => list(values, "choice")?,
             Vary { linear: Some(range), .. } => {
-                range.list("linear", |share| range.from + (range.to - range.from) * share)?
+                range.list("linear", |k, last| range.from + (range.to - range.from) * k / last)?
             }
             Vary { log: Some(range), .. } => {
                 if range.from <= 0.0 || range.to <= 0.0 {
                     return Err("log must lie above 0".into());
                 }
-                range.list("log", |share| range.from * (range.to / range.from).powf(share))?
+                range.list("log", |k, last| range.from * (range.to / range.from).powf(k / last))?
             }
             Vary { uniform: Some(range), .. } => {
                 let (low, high) = bounds(*range, "uniform", false)?;
@@ -178,7 +178,7 @@ impl Source {
 }
 
 impl super::Range {
-    fn list(&self, name: &str, at: impl Fn(f64) -> f64) -> Result<Source, String> {
+    fn list(&self, name: &str, at: impl Fn(f64, f64) -> f64) -> Result<Source, String> {
         if self.points == 0 || self.points > MOST_VALUES {
             return Err(format!("{name}.points must be from 1 to {MOST_VALUES}, is {}", self.points));
         }
@@ -190,7 +190,7 @@ impl super::Range {
         let value = |k: u32| match k {
             0 => self.from,
             k if k + 1 == self.points => self.to,
-            k => at(f64::from(k) / last),
+            k => at(f64::from(k), last),
         };
         Ok(Source::Listed((0..self.points).map(|k| Scalar::Number(value(k))).collect()))
     }
@@ -254,6 +254,9 @@ mod tests {
         let linear = numbers(source(|v| v.linear = range(1.4, 1.42, 3)).unwrap());
         assert_eq!((linear[0], linear[2]), (1.4, 1.42));
         assert!((linear[1] - 1.41).abs() < 1e-12);
+        // Whole steps are whole numbers: keys such as seeds ask for them.
+        let whole = numbers(source(|v| v.linear = range(1.0, 200.0, 200)).unwrap());
+        assert!((1..=200).zip(whole).all(|(k, value)| f64::from(k) == value));
         let log = numbers(source(|v| v.log = range(1.0, 100.0, 3)).unwrap());
         assert!((log[1] - 10.0).abs() < 1e-12 && log[2] == 100.0);
         assert_eq!(numbers(source(|v| v.linear = range(3.0, 9.0, 1)).unwrap()), [3.0]);

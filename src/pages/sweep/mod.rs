@@ -1,12 +1,39 @@
 //! What is said of a sweep: tables, and words.
 
-pub mod dataset;
-pub mod page;
-pub mod pictures;
-pub mod table;
+mod dataset;
+mod page;
+mod pictures;
+mod table;
 
+use super::PageError;
 use super::facts::{columns, figure};
+use crate::output::Records;
 use crate::sweep::{Status, Sweep};
+
+/// Writes the tables, the labels of a data set and the report of whatever records are there, which `command` made.
+///
+/// # Errors
+/// A file that cannot be written, a picture that cannot be drawn.
+pub fn write(sweep: &Sweep, records: &Records, command: &str) -> Result<Status, PageError> {
+    records.write("points.csv", &table::points_csv(sweep, records)?)?;
+    records.write("times.csv", &table::times_csv(sweep, records)?)?;
+    if sweep.asks_sensitivity() {
+        records.write("sensitivity.csv", &table::sensitivity_csv(sweep, records)?)?;
+    }
+    if let Some(images) = &sweep.file.sweep.images {
+        for split in ["train", "test"] {
+            if sweep.kept(records).any(|(row, _)| images.split(row) == split) {
+                let labels = dataset::metadata_csv(sweep, images, records, split)?;
+                records.write(&format!("{split}/metadata.csv"), &labels)?;
+            }
+        }
+        records.write("README.md", &dataset::card(sweep, images, records))?;
+    }
+    let status = Status::of(sweep, records);
+    let drawn = pictures::draw(sweep, records)?;
+    records.write("report.html", &page::page(sweep, records, &status, &drawn, command).to_html())?;
+    Ok(status)
+}
 
 /// How far a sweep is, in words.
 pub fn text(sweep: &Sweep, status: &Status, place: &str) -> String {

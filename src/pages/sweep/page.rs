@@ -87,12 +87,7 @@ fn points(sweep: &Sweep, records: &Records) -> Section {
     let count = sweep.plan.names().count();
     let rows = (0..sweep.plan.count().min(MOST_ROWS)).map(|row| {
         let record = sweep.record(records, row);
-        let status = match record.as_ref().map(|record| record.status) {
-            Some(State::Done) => "done",
-            Some(State::Rejected) => "rejected",
-            Some(State::Failed) => "failed",
-            None => "missing",
-        };
+        let status = State::word(record.as_ref().map(|record| record.status));
         let value = |k: usize| {
             let value = record.as_ref().and_then(|record| record.values.get(k));
             value.map_or("-".to_owned(), |value| value.number().map_or_else(|| value.to_string(), figure))

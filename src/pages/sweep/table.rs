@@ -37,12 +37,7 @@ pub fn points_csv(sweep: &Sweep, records: &Records) -> Result<String, PageError>
     let head = head.chain(columns.iter().flat_map(of_figure)).chain(["relative_error".to_owned(), "note".to_owned()]);
     let rows = (0..sweep.plan.count()).map(|row| {
         let record = sweep.record(records, row);
-        let status = match record.as_ref().map(|record| record.status) {
-            Some(State::Done) => "done",
-            Some(State::Rejected) => "rejected",
-            Some(State::Failed) => "failed",
-            None => "missing",
-        };
+        let status = State::word(record.as_ref().map(|record| record.status));
         // What a design asked for is known before it is computed.
         let values = match &record {
             Some(record) if !record.values.is_empty() => record.values.clone(),

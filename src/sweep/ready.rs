@@ -1,0 +1,151 @@
+//! Workers that claim points, press them and make their surfaces.
+
+use super::record::item;
+use super::{RandomNumbers, Record, Rejected, State, Sweep};
+use crate::mechanics::path::PathError;
+use crate::mechanics::press::{PressError, Pressed};
+use crate::output::{Claimed, Item, OutputError, Records};
+use crate::pipeline::{Order, PipelineError, Prepared, Session};
+use crate::progress::Observer;
+use crate::scene::LoadedScene;
+use crate::streams::Sharing;
+use crate::trace::{Devices, Precision};
+use crate::vary::{Point, Scalar};
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// A point ready to be traced, or its end.
+pub(super) struct Ready {
+    pub row: usize,
+    pub values: Vec<Scalar>,
+    pub press_seconds: f64,
+    pub what: Result<Scene, (State, String)>,
+}
+
+/// A scene that is pressed, with its surfaces; without images where nothing asks for light.
+pub(super) struct Scene {
+    pub pressed: Option<Arc<Pressed>>,
+    pub image: Option<Box<Prepared>>,
+    pub baseline: Option<Box<Prepared>>,
+}
+
+/// What a worker says of a point.
+pub(super) enum Sent {
+    Ready(Box<Ready>),
+    /// It was there already.
+    There,
+    /// Another worker has it.
+    Taken(usize),
+    /// The caller stopped it.
+    Stopped,
+    Failed(OutputError),
+}
+
+/// Makes one point after the other ready, until none is left or the caller stops.
+pub(super) fn work(
+    sweep: &Sweep,
+    records: &Records,
+    queue: &Mutex<VecDeque<usize>>,
+    stop: &AtomicBool,
+    retry: bool,
+    sender: SyncSender<Sent>,
+) {
+    let mut session = Session::from(Devices::cpu(Precision::F32));
+    loop {
+        let next = queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
+        let (Some(row), false) = (next, stop.load(Ordering::Relaxed)) else { return };
+        let sent = claimed(sweep, records, row, retry, &mut session, &mut |_| !stop.load(Ordering::Relaxed));
+        if sender.send(sent).is_err() {
+            records.let_go(&item(row));
+            return;
+        }
+    }
+}
+
+/// Makes a point ready that nobody else has.
+fn claimed(
+    sweep: &Sweep,
+    records: &Records,
+    row: usize,
+    retry: bool,
+    session: &mut Session,
+    observe: &mut Observer,
+) -> Sent {
+    let name = item(row);
+    let is_kept = |record: &Record| !(retry && record.status == State::Failed);
+    let is_there = || matches!(records.item::<Record>(&name), Item::There(record) if is_kept(&record));
+    if is_there() {
+        return Sent::There;
+    }
+    match records.claim(&name) {
+        Ok(Claimed::Ours) => {}
+        Ok(Claimed::Taken) => return Sent::Taken(row),
+        Err(error) => return Sent::Failed(error),
+    }
+    // Whoever had it may have kept it in between.
+    if is_there() {
+        records.let_go(&name);
+        return Sent::There;
+    }
+    let start = Instant::now();
+    let (values, what) = match sweep.plan.point(row) {
+        Ok(point) => {
+            let what = ready(sweep, &point, session, observe);
+            (point.values, what)
+        }
+        Err(reason) => (Vec::new(), Err(Some((State::Rejected, reason)))),
+    };
+    // No reason: the caller stopped it.
+    let what = match what {
+        Ok(scene) => Ok(scene),
+        Err(Some(end)) => Err(end),
+        Err(None) => {
+            records.let_go(&name);
+            return Sent::Stopped;
+        }
+    };
+    Sent::Ready(Box::new(Ready { row, values, press_seconds: start.elapsed().as_secs_f64(), what }))
+}
+
+/// Presses a point and makes its surfaces; no reason where the caller stopped it.
+fn ready(
+    sweep: &Sweep,
+    point: &Point,
+    session: &mut Session,
+    observe: &mut Observer,
+) -> Result<Scene, Option<(State, String)>> {
+    let failed = |error: PipelineError| match error {
+        PipelineError::Press(PressError::Stopped { cause: PathError::Stopped, .. }) => None,
+        error => Some((State::Failed, error.to_string())),
+    };
+    let loaded = sweep.scene(point).map_err(|rejected| match rejected {
+        Rejected::Point(reason) => Some((State::Rejected, reason)),
+        Rejected::Sweep(broken) => Some((State::Failed, broken.to_string())),
+    })?;
+    let order = order(sweep, &loaded);
+    if !sweep.needs_light() {
+        let pressed = session.press(&loaded, &order, observe).map_err(failed)?;
+        return Ok(Scene { pressed: Some(pressed), image: None, baseline: None });
+    }
+    let image = session.prepare(loaded, &order, observe).map_err(failed)?;
+    let baseline = match sweep.needs_baseline() {
+        true => Some(Box::new(session.baseline(&image, observe).map_err(failed)?)),
+        false => None,
+    };
+    let pressed = image.press.as_ref().map(|(pressed, _)| pressed.clone());
+    Ok(Scene { pressed, image: Some(Box::new(image)), baseline })
+}
+
+/// How a point is traced.
+fn order(sweep: &Sweep, loaded: &LoadedScene) -> Order {
+    let mut order = Order { sharing: Sharing::Own, ..Order::of(&loaded.scene) };
+    let asked = &sweep.file.sweep;
+    order.settings.seed = asked.seed.unwrap_or(order.settings.seed);
+    order.settings.target_error = asked.target_error.or(order.settings.target_error);
+    // Common to all points, and still other ones for the image without inclusions.
+    order.known_as = (asked.random_numbers == RandomNumbers::Common).then(|| sweep.base.identity().into());
+    order
+}
