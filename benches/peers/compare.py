@@ -223,7 +223,8 @@ def table(results, arguments):
     """The figures as Markdown."""
     lines = [
         f"Medians of alternating rounds; Mitsuba {mi.__version__} `llvm_ad_mono`, {arguments.spp} paths"
-        f" per pixel, {os.cpu_count()} cores; tirtouch on {results[0]['adapter']}.",
+        f" per pixel, {os.cpu_count()} cores;",
+        f"tirtouch on {results[0]['adapter']}.",
         "Intervals are 95 %. Ratios are tirtouch over Mitsuba; efficiency is 1 / (relative pixel variance x seconds).",
         "",
         "| scene | rounds | integrator | mean radiance, ratio | blocks agree | paths/s | Mitsuba paths/s | ratio | efficiency ratio |",

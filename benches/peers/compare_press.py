@@ -22,6 +22,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import textwrap
 from pathlib import Path
 
 import calculix_deck as ccx
@@ -186,7 +187,8 @@ def tables(found):
                     force, middle = (extrapolated([run[key] for run in good.values()]) for key in ("force_n", "middle_kpa"))
                     text.append(f"| {name} | {program} | limit | | | **{force:.5f}** | {100 * (force / limit - 1):+.2f} % | {middle:.4f} | |")
                 text += [f"| {name} | {program} | {rung} | failed | | | | | |" for rung in runs if rung not in good]
-        text += ["", "Estimates of our own error of the force: " + "; ".join(_estimates(found["forces"])) + ".", ""]
+        estimates = "Estimates of our own error of the force: " + "; ".join(_estimates(found["forces"])) + "."
+        text += ["", textwrap.fill(estimates, 120), ""]
     if "speed" in found and "forces" in found:
         text += _speed_table(found)
     if "hertz" in found:

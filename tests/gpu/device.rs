@@ -4,7 +4,6 @@ use crate::adapter::require_gpu;
 use crate::films::gpu;
 use crate::scenes::Case;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 use tirtouch::trace::backend::{BackendChoice, Precision};
 use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
 use tirtouch::trace::gpu::{Gpu, GpuTracer};
@@ -27,7 +26,6 @@ fn a_device_lost_in_the_middle_of_a_render_is_an_error() {
         let mut backend = gpu(adapter, &model);
         let (pacer, totals) = (Pacer::default(), Totals::default());
         let mut batch = Batch { model: &model, backend: &mut backend, method, seed: 1, pacer, totals };
-        let start = Instant::now();
         let mut chunks = 0;
         let found = batch.replicate(0, Work { spp: 1 << 20, photons: 1 << 16 }, &mut |_| {
             chunks += 1;
@@ -38,7 +36,6 @@ fn a_device_lost_in_the_middle_of_a_render_is_an_error() {
         });
         assert!(matches!(found, Err(TraceError::DeviceLost(_))), "{}: {found:?}", method.name());
         assert_eq!(chunks, 2, "{}: it went on after the loss", method.name());
-        assert!(start.elapsed() < Duration::from_secs(20));
         // And it stays lost.
         let again = batch.replicate(1, Work { spp: 1, photons: 1 << 14 }, &mut |_| true);
         assert!(matches!(again, Err(TraceError::DeviceLost(_))), "{again:?}");

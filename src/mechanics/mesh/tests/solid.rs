@@ -61,6 +61,8 @@ fn default_quarter_has_the_elements_meant() {
     let mesh = solid(vec![sphere(8.0, 5.0)]).build_3d().unwrap();
     assert!((1_500..4_000).contains(&mesh.element_count()), "{:?}", mesh.quality());
     assert_conforming(&mesh, quarter_surface(30.0, 25.0), 0.5);
+    let wide = Resolution { ring_share: 1.0, ..Resolution::SOLID };
+    assert_sound(&PhantomMesh { resolution: wide, ..solid(vec![sphere(8.0, 5.0)]) }.build_3d().unwrap(), 0.2, 15.0);
     // Rings about the contact are a third as wide as they are high.
     assert_sound(&mesh, 0.2, 20.0);
     let coarse = solid(vec![sphere(8.0, 5.0)]).halved().build_3d().unwrap();
