@@ -10,7 +10,8 @@ pub struct GreyImage {
     grey: Vec<f64>,
     /// The camera's top grey level, where known.
     top_grey: Option<f64>,
-    saturated_pixels: usize,
+    /// Of each pixel, before any subtraction.
+    is_saturated: Vec<bool>,
 }
 
 /// Why there is no image to estimate from.
@@ -74,8 +75,8 @@ impl GreyImage {
         if let Some((i, &value)) = grey.iter().enumerate().find(|(_, v)| !v.is_finite()) {
             return Err(GreyImageError::NotFinite { column: i % width, row: i / width, value });
         }
-        let saturated_pixels = top_grey.map_or(0, |top| grey.iter().filter(|&&v| v >= top).count());
-        Ok(Self { width, height, grey: grey.to_vec(), top_grey, saturated_pixels })
+        let is_saturated = grey.iter().map(|&v| top_grey.is_some_and(|top| v >= top)).collect();
+        Ok(Self { width, height, grey: grey.to_vec(), top_grey, is_saturated })
     }
 
     /// The image of a camera frame.
@@ -107,7 +108,7 @@ impl GreyImage {
             return Err(GreyImageError::ReferenceDepth { image: self.top_grey, reference: reference.top_grey });
         }
         let grey = self.grey.iter().zip(&reference.grey).map(|(a, b)| a - b).collect();
-        Ok(Self { grey, ..*self })
+        Ok(Self { grey, is_saturated: self.is_saturated.clone(), ..*self })
     }
 
     /// Columns.
@@ -132,12 +133,23 @@ impl GreyImage {
 
     /// Pixels at the top grey level of the camera, before any subtraction.
     pub fn saturated_pixels(&self) -> usize {
-        self.saturated_pixels
+        self.is_saturated.iter().filter(|is| **is).count()
     }
 
     /// Number of pixels brighter than `threshold` grey levels.
     pub fn brighter_than(&self, threshold: f64) -> usize {
         self.grey.iter().filter(|&&v| v > threshold).count()
+    }
+
+    /// Whether a pixel, row-major, is at the top grey level.
+    pub fn is_saturated(&self, pixel: usize) -> bool {
+        self.is_saturated.get(pixel).is_some_and(|is| *is)
+    }
+
+    /// Whether a pixel that tells of the grey value at a point (column, row) is saturated.
+    pub fn is_saturated_at(&self, place: [f64; 2]) -> bool {
+        let around = Self::around(place, [self.width, self.height]);
+        around.into_iter().any(|(pixel, weight)| weight > 0.0 && self.is_saturated(pixel))
     }
 
     /// Grey value at a point (column, row) of the image, bilinear between pixel centres, constant beyond the outermost.
@@ -184,6 +196,9 @@ mod tests {
         let difference = image.minus(&reference).unwrap();
         assert_eq!(difference.grey(), [250.0, -1.0]);
         assert_eq!(difference.saturated_pixels(), 1);
+        // At the middle of the second pixel the first has no weight.
+        assert!(difference.is_saturated_at([0.5, 0.5]) && difference.is_saturated_at([1.2, 0.5]));
+        assert!(!difference.is_saturated_at([1.5, 0.5]));
     }
 
     #[test]

@@ -13,6 +13,8 @@
 //!   if the edge crossed it at random; discs at random places show 0.07.
 //! - Xc, Yc, h, M: independent noise of `noise_grey` in every pixel, two standard deviations.
 //!
+//! h is undefined where a pixel about the centroid is saturated: a camera of a longer scale would have read more.
+//!
 //! Of a simulated frame ([`measure`]) they hold the mean of the figure over seeds, of light and camera together, 95 %
 //! of the time: see `spread.rs`. `benches/coverage.rs` measures that.
 
@@ -64,7 +66,7 @@ pub struct PaperEstimate {
     pub sum_grey: Value,
     /// Highest grey value.
     pub max_grey: f64,
-    /// Pixels at the camera's top grey level: size, h and M are then lower bounds.
+    /// Pixels at the camera's top grey level: size and M are then lower bounds.
     pub saturated_pixels: usize,
     /// What the intervals hold.
     pub intervals: &'static str,
@@ -136,6 +138,10 @@ pub fn estimate(image: &GreyImage, settings: &Settings) -> PaperEstimate {
     let sum_error = 2.0 * settings.noise_grey * (image.grey().len() as f64).sqrt();
     let centroid_px = centroid(image, sum, settings.noise_grey);
     let h_grey = match &centroid_px {
+        Value::Known { value, .. } if image.is_saturated_at(*value) => Value::undefined(format!(
+            "pixels about the centroid are saturated: h is {:.0} grey levels or more; expose less",
+            image.at(*value)
+        )),
         Value::Known { value, .. } => {
             let h = image.at(*value);
             Value::known(h, h - 2.0 * settings.noise_grey, h + 2.0 * settings.noise_grey)
@@ -147,7 +153,7 @@ pub fn estimate(image: &GreyImage, settings: &Settings) -> PaperEstimate {
     let mut warnings = Vec::new();
     if saturated_pixels > 0 {
         warnings.push(format!(
-            "{saturated_pixels} of {} pixels are saturated: h and the sum of grey values are lower bounds",
+            "{saturated_pixels} of {} pixels are saturated: the sum of grey values is a lower bound",
             image.grey().len()
         ));
     }

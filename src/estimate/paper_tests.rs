@@ -20,6 +20,13 @@ fn known(value: &Value) -> [f64; 3] {
     }
 }
 
+fn reason(value: &Value) -> &str {
+    match value {
+        Value::Known { value, .. } => panic!("known: {value}"),
+        Value::Undefined { reason } => reason,
+    }
+}
+
 fn point(value: &Value<[f64; 2]>) -> [f64; 2] {
     *value.best().unwrap()
 }
@@ -154,6 +161,20 @@ fn saturated_pixels_are_counted_and_named() {
     assert_eq!(saturated.saturated_pixels, 10 * H);
     assert!(saturated.warnings[0].contains("1200 of 19200"), "{:?}", saturated.warnings);
     assert_eq!(saturated.max_grey, 255.0);
+}
+
+#[test]
+fn depth_indicator_is_undefined_where_the_centroid_saturates() {
+    let blob = |peak: f64, top: f64| {
+        let clipped: Vec<f64> = gaussian(peak, 12.0, 80.0, 60.0).grey().iter().map(|v| v.min(top)).collect();
+        GreyImage::new(W, H, &clipped, Some(top)).unwrap()
+    };
+    let h = |image: &GreyImage| estimate(image, &Settings::default()).h_grey;
+    assert!(reason(&h(&blob(300.0, 255.0))).contains("255 grey levels or more"));
+    assert!(known(&h(&blob(200.0, 255.0)))[0] > 199.0);
+    // A frame without inclusions taken off does not make it known.
+    let less = blob(300.0, 255.0).minus(&blob(50.0, 255.0)).unwrap();
+    assert!(reason(&h(&less)).contains("205 grey levels or more"), "{:?}", h(&less));
 }
 
 #[test]

@@ -22,7 +22,7 @@ pub fn rows(context: &Context) -> Result<Vec<Row>, StabilityError> {
     let count = image.grey().iter().filter(|&&grey| grey == 255.0).count();
     let saturated = [paper.saturated_pixels as f64, count as f64];
     rows.push(subject.absolute("saturated pixels", saturated, "counted", 0.0, "a count"));
-    rows.push(subject.holds("a warning says so", !paper.warnings.is_empty(), "h and the sum are lower bounds"));
+    rows.push(subject.holds("a warning says so", !paper.warnings.is_empty(), "the sum is a lower bound"));
     // F = 1e-5 N per grey level from 1e4 to 1e5.
     let text = "mm_per_pixel = 0.02\nbottom_area_mm2 = 900.0\nforce_n_from_sum_grey = [[1e4, 0.1], [1e6, 10.0]]\n";
     let calibration = Calibration::parse(text, "stability")?;
