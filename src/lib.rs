@@ -22,13 +22,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod calibrate;
 pub mod camera;
 pub mod cli;
 pub mod converge;
+pub mod emulate;
 pub mod estimate;
 pub mod figure;
 pub mod film;
 pub mod image_io;
+pub mod infer;
 pub mod mechanics;
 pub mod optics;
 pub mod output;
@@ -38,6 +41,7 @@ pub mod progress;
 pub mod report;
 pub mod scene;
 pub mod stability;
+pub mod statistics;
 pub mod streams;
 pub mod surface;
 pub mod sweep;

@@ -13,6 +13,8 @@ use tirtouch::image_io::{Provenance, write_radiance};
 
 #[path = "cli/bad_input.rs"]
 mod bad_input;
+#[path = "cli/calibrated.rs"]
+mod calibrated;
 #[path = "cli/converge.rs"]
 mod converge;
 #[path = "cli/environment.rs"]

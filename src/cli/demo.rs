@@ -2,7 +2,7 @@
 
 use super::job::Job;
 use super::measure::SceneReading;
-use super::run::{Loads, whole_job};
+use super::run::whole_job;
 use super::{Common, Failure, Outcome, print};
 use crate::output::OutputFolder;
 use clap::Args;
@@ -33,7 +33,7 @@ impl Demo {
         let folder = OutputFolder::create(&place, common.force || common.out.is_none())?;
         let job = Job::read(Path::new(SCENE), &common)?;
         let reading = SceneReading { subtract_baseline: true, ..SceneReading::default() };
-        let out = whole_job(job, &reading, &common, Loads::Last, folder)?;
+        let out = whole_job(job, &reading, &common, folder)?;
         if !(common.talk.json || common.talk.quiet) {
             print(&format!("\nOpen {} in a browser.", out.join("report.html").display()))?;
         }

@@ -2,8 +2,9 @@
 
 use super::measure::{Reading, grey_image, less};
 use super::{Failure, Outcome, Talk, note, print};
+use crate::calibrate::{FrameModel, Frames};
 use crate::camera::expose;
-use crate::estimate::{Calibration, GreyImage, Settings, Threshold, estimate, scattered};
+use crate::estimate::{Calibration, Estimates, GreyImage, Settings, Threshold, estimate, scattered};
 use crate::image_io::read_radiance;
 use crate::pages::images::{Measured, json, relative_stiffness, text};
 use crate::pipeline::view_of;
@@ -28,12 +29,17 @@ pub(super) struct Estimate {
     /// Bits of the camera whose levels lie in PNG or TIFF of 16 bits: tells what is saturated.
     #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(8..=16), allow_negative_numbers = true)]
     full_scale_bits: Option<u32>,
+    /// Depth of the press of each image, mm: with a calibration that `calibrate` learnt, all images together give size,
+    /// depth and modulus of the inclusion.
+    #[arg(long, value_name = "MM,..", value_delimiter = ',', allow_negative_numbers = true)]
+    depths_mm: Vec<f64>,
     #[command(flatten)]
     talk: Talk,
 }
 
 impl Estimate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let model = self.reading.frame_model()?;
         let camera = self.exposure.as_deref().map(open).transpose()?.map(|(loaded, _)| loaded.scene);
         let calibration = match (self.reading.calibration()?, &camera) {
             (None, Some(scene)) => Some(Calibration {
@@ -69,12 +75,42 @@ impl Estimate {
             Ok(Measured { path: path.clone(), image, threshold_grey, paper })
         };
         let measured = self.images.iter().map(measure).collect::<Result<Vec<_>, Failure>>()?;
+        let inclusion = match &model {
+            Some(model) => self.inclusion(model, camera.as_ref())?,
+            None => Estimates::without_model(),
+        };
         let relative = relative_stiffness(&measured, &settings, calibration.as_ref());
         match self.talk.json {
-            true => print(&json(&measured, &relative, self.reading.reference.as_deref()).to_string())?,
-            false => print(&text(&measured, &relative))?,
+            true => print(&json(&measured, &relative, &inclusion, self.reading.reference.as_deref()).to_string())?,
+            false => print(&text(&measured, &relative, &inclusion))?,
         }
         Ok(Outcome::Done)
+    }
+
+    /// What all images together say of the inclusion.
+    fn inclusion(&self, model: &FrameModel, exposure: Option<&Scene>) -> Result<Estimates, Failure> {
+        if self.depths_mm.len() != self.images.len() {
+            let message = format!(
+                "`--depths-mm` gives {} depths for {} images: each image needs the depth of its press",
+                self.depths_mm.len(),
+                self.images.len()
+            );
+            return Err(Failure::usage(message));
+        }
+        let frames = self.images.iter().map(|image| self.read(image, exposure)).collect::<Result<Vec<_>, _>>()?;
+        let size = frames.first().map_or([0; 2], |frame| [frame.width() as u32, frame.height() as u32]);
+        let camera = match exposure {
+            Some(scene) => Some((scene.camera.clone(), scene.light.wavelength_nm)),
+            None => model.camera(size),
+        };
+        let Some((camera, wavelength_nm)) = camera else {
+            let [width, height] = size;
+            return Ok(Estimates::undefined(&format!(
+                "{width} x {height} pixels do not fill the calibration's sensor"
+            )));
+        };
+        let frames = self.depths_mm.iter().copied().zip(&frames).collect();
+        Ok(model.estimates(&Frames { camera: &camera, wavelength_nm, frames }))
     }
 
     /// The threshold in grey levels of an image.

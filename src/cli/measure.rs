@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::job::failure;
+use crate::calibrate::FrameModel;
 use crate::camera::top_grey;
 use crate::estimate::{Calibration, GreyImage, Threshold};
 use crate::image_io::read_grey;
@@ -19,7 +20,7 @@ pub(super) struct Reading {
     /// Image to subtract first: a frame without inclusion, or without press.
     #[arg(long, value_name = "IMAGE")]
     pub reference: Option<PathBuf>,
-    /// Calibration file (TOML).
+    /// Calibration: the scale of the frame (TOML), or what `calibrate` learnt of the sensor (JSON).
     #[arg(long, value_name = "FILE")]
     pub calibration: Option<PathBuf>,
 }
@@ -34,10 +35,22 @@ pub(super) struct SceneReading {
     pub subtract_baseline: bool,
 }
 
+/// Whether a calibration is what `calibrate` learnt, not a scale.
+fn is_model(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+}
+
 impl Reading {
     /// The calibration, where one is given.
     pub fn calibration(&self) -> Result<Option<Calibration>, Failure> {
-        Ok(self.calibration.as_deref().map(Calibration::load).transpose()?)
+        let scale = self.calibration.as_deref().filter(|file| !is_model(file));
+        Ok(scale.map(Calibration::load).transpose()?)
+    }
+
+    /// What was learnt of the sensor's frames, where that is given.
+    pub fn frame_model(&self) -> Result<Option<FrameModel>, Failure> {
+        let model = self.calibration.as_deref().filter(|file| is_model(file));
+        Ok(model.map(FrameModel::load).transpose()?)
     }
 }
 

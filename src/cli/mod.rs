@@ -5,6 +5,7 @@
 //! is the shortest example. Long work polls [`cancel::check`], reports to a [`Progress`] and writes into an
 //! [`crate::output::OutputFolder`].
 
+mod calibrate;
 pub mod cancel;
 mod command;
 mod compare;
@@ -62,6 +63,7 @@ enum Command {
     Converge(converge::Converge),
     Stability(stability::Stability),
     Sweep(sweep::SweepCommand),
+    Calibrate(calibrate::Calibrate),
     Inspect(inspect::Inspect),
     Schema(schema::Schema),
 }
@@ -80,6 +82,7 @@ impl Command {
             Self::Converge(converge) => converge.run(),
             Self::Stability(stability) => stability.run(),
             Self::Sweep(sweep) => sweep.run(),
+            Self::Calibrate(calibrate) => calibrate.run(),
             Self::Inspect(inspect) => inspect.run(),
             Self::Schema(schema) => schema.run(),
         }

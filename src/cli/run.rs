@@ -4,6 +4,8 @@ use super::command::{self, command_line, command_of_light};
 use super::job::{Job, note_exposure};
 use super::measure::SceneReading;
 use super::{Common, Failure, Outcome, print};
+use crate::calibrate::{FrameModel, Frames, ready};
+use crate::estimate::{Estimates, GreyImage};
 use crate::mechanics::press::Load;
 use crate::output::OutputFolder;
 use crate::pages;
@@ -29,17 +31,8 @@ impl Run {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let job = Job::read(&self.scene, &self.common)?;
         let folder = OutputFolder::create(&self.common.destination(job.name()), self.common.force)?;
-        whole_job(job, &self.reading, &self.common, Loads::All, folder).map(|_| Outcome::Done)
+        whole_job(job, &self.reading, &self.common, folder).map(|_| Outcome::Done)
     }
-}
-
-/// Loads of a press that are traced.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Loads {
-    /// Each one.
-    All,
-    /// The last.
-    Last,
 }
 
 /// Does the whole job, writes its folder and prints its figures; gives the folder's place.
@@ -47,7 +40,6 @@ pub(super) fn whole_job(
     mut job: Job,
     reading: &SceneReading,
     common: &Common,
-    loads: Loads,
     folder: OutputFolder,
 ) -> Result<PathBuf, Failure> {
     let calibration = reading.image.calibration()?;
@@ -57,13 +49,15 @@ pub(super) fn whole_job(
         true => Some(baseline(&mut job, &prepared, &folder)?),
         false => reading.reference(&scene.camera)?,
     };
-    let earlier = match loads {
-        Loads::All => earlier_loads(&job, &prepared, &folder)?,
-        Loads::Last => Vec::new(),
-    };
+    let model = reading.image.frame_model()?;
+    let (earlier, mut frames) = earlier_loads(&job, &prepared, &folder)?;
     let shot = job.shoot(&prepared)?;
     note_exposure(&shot.suited, scene.camera.sensor.exposure_ms, common.talk.quiet);
-    let figures = reading.of_shot(&shot, reference.as_ref(), calibration.as_ref())?;
+    let mut figures = reading.of_shot(&shot, reference.as_ref(), calibration.as_ref())?;
+    if let Some((_, step)) = prepared.pressed() {
+        frames.push((step.depth_mm, GreyImage::from_frame(&shot.frame)?));
+    }
+    figures.estimates = estimates(model.as_ref(), &job, &frames);
     let pictures = shot.write_pictured(&folder, &command_of_light())?;
     let seen = shot.camera_pictures(&figures, reading.reference_name().as_deref())?;
     folder.write("camera_false_color.svg", &seen.false_color)?;
@@ -104,11 +98,38 @@ fn baseline(job: &mut Job, prepared: &Prepared, folder: &OutputFolder) -> Result
     Ok(shot.as_reference()?)
 }
 
+/// What the frames say of the inclusion, by a calibration that was given or the one that comes with the program.
+fn estimates(given: Option<&FrameModel>, job: &Job, frames: &[(f64, GreyImage)]) -> Estimates {
+    let (model, which) = match given {
+        Some(model) => (Some(model), "the calibration does not suit"),
+        None => (ready(), "the one that comes with the program does not suit"),
+    };
+    let Some(model) = model else { return Estimates::without_model() };
+    if frames.is_empty() {
+        return Estimates::undefined("no calibrated model: nothing is pressed");
+    }
+    match model.suits(&job.loaded) {
+        Err(why) => Estimates::undefined(&format!("no calibrated model: {which}: {why}")),
+        Ok(()) => {
+            let scene = &job.loaded.scene;
+            let frames = frames.iter().map(|(depth_mm, frame)| (*depth_mm, frame)).collect();
+            model.estimates(&Frames { camera: &scene.camera, wavelength_nm: scene.light.wavelength_nm, frames })
+        }
+    }
+}
+
+/// Frames by the depth of their press, mm.
+type ByDepth = Vec<(f64, GreyImage)>;
+
 /// Frames of the loads before the last, written as camera_DEPTHmm.png, or of the steps as camera_NUMBER.png.
-fn earlier_loads(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Result<Vec<EarlierFrame>, Failure> {
-    let Some((pressed, _)) = prepared.pressed() else { return Ok(Vec::new()) };
+fn earlier_loads(
+    job: &Job,
+    prepared: &Prepared,
+    folder: &OutputFolder,
+) -> Result<(Vec<EarlierFrame>, ByDepth), Failure> {
+    let Some((pressed, _)) = prepared.pressed() else { return Ok(Default::default()) };
     let before = pressed.steps.len().saturating_sub(1);
-    let mut frames = Vec::with_capacity(before);
+    let (mut earlier, mut frames) = (Vec::with_capacity(before), Vec::with_capacity(before));
     for (k, step) in pressed.steps[..before].iter().enumerate() {
         let prepared = job.at_load(prepared, k)?;
         let shot = job.shoot(&prepared)?;
@@ -117,7 +138,8 @@ fn earlier_loads(job: &Job, prepared: &Prepared, folder: &OutputFolder) -> Resul
             _ => format!("camera_{}mm.png", figure(step.depth_mm)),
         };
         shot.frame.write_png(&folder.path(&file))?;
-        frames.push(EarlierFrame::of(&shot, step, file));
+        frames.push((step.depth_mm, GreyImage::from_frame(&shot.frame)?));
+        earlier.push(EarlierFrame::of(&shot, step, file));
     }
-    Ok(frames)
+    Ok((earlier, frames))
 }

@@ -65,7 +65,7 @@ struct RunSweep {
 
 /// How points are computed.
 #[derive(Debug, Args)]
-struct How {
+pub(super) struct How {
     /// Folder of the records [default: out/NAME].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -194,19 +194,9 @@ impl How {
         if self.engine == Engine::Slurm {
             return self.send(sweep, &place, resume);
         }
-        let devices = Devices::open(self.backend.choice(), Precision::F32)?;
-        if let (Some(notice), false) = (devices.notice(), self.talk.quiet) {
-            note(notice);
-        }
-        let records = self.records(sweep, &place, resume)?;
-        let before = Status::of(sweep, &records);
-        let cores = std::thread::available_parallelism().map_or(2, usize::from);
-        let workers = self.workers.map_or(cores.div_ceil(2), |workers| workers as usize);
-        let options = Options { workers, shard: self.shard.map(|Shard(k, n)| (k, n)), retry: self.retry };
-        let session = Session::from(devices);
-        watched(self.talk.quiet, |observe| run(sweep, &records, &session, options, observe))?;
+        let (records, before) = self.compute(sweep, &place, resume)?;
         let status = write(sweep, &records, &command_line())?;
-        let (seconds, computed) = (start.elapsed().as_secs_f64(), status.ended().saturating_sub(before.ended()));
+        let (seconds, computed) = (start.elapsed().as_secs_f64(), status.ended().saturating_sub(before));
         let mut result = json!(status);
         result["name"] = json!(sweep.name);
         result["seconds"] = json!(seconds);
@@ -222,6 +212,35 @@ impl How {
 }
 
 impl How {
+    /// Computes what a folder of a sweep lacks; gives its records, and how many points had ended before.
+    pub(super) fn compute(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<(Records, usize), Failure> {
+        let devices = Devices::open(self.backend.choice(), Precision::F32)?;
+        if let (Some(notice), false) = (devices.notice(), self.talk.quiet) {
+            note(notice);
+        }
+        let records = self.records(sweep, place, resume)?;
+        let before = Status::of(sweep, &records).ended();
+        let cores = std::thread::available_parallelism().map_or(2, usize::from);
+        let workers = self.workers.map_or(cores.div_ceil(2), |workers| workers as usize);
+        let options = Options { workers, shard: self.shard.map(|Shard(k, n)| (k, n)), retry: self.retry };
+        let session = Session::from(devices);
+        watched(self.talk.quiet, |observe| run(sweep, &records, &session, options, observe))?;
+        Ok((records, before))
+    }
+
+    /// The folder that was asked for, or another.
+    pub(super) fn place_or(&self, other: impl FnOnce() -> PathBuf) -> PathBuf {
+        self.out.clone().unwrap_or_else(other)
+    }
+
+    pub(super) fn is_quiet(&self) -> bool {
+        self.talk.quiet
+    }
+
+    pub(super) fn is_json(&self) -> bool {
+        self.talk.json
+    }
+
     fn records(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<Records, Failure> {
         let records = Records::join(place, &sweep.order(), self.force, resume)?;
         leftovers().keep(format!("what was done is in {}: go on with --resume", place.display()));

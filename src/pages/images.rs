@@ -1,6 +1,7 @@
 //! Figures of images from anywhere.
 
 use super::facts::{columns, figure, said_within};
+use super::run::inclusion_rows;
 use crate::estimate::{Calibration, Estimates, GreyImage, PaperEstimate, Settings, Stiffness, Value, stiffness};
 use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
@@ -32,7 +33,7 @@ pub fn relative_stiffness(
 }
 
 /// All images and what two say of stiffness.
-pub fn text(measured: &[Measured], relative: &Result<Stiffness, String>) -> String {
+pub fn text(measured: &[Measured], relative: &Result<Stiffness, String>, inclusion: &Estimates) -> String {
     let row = |name: &str, value: String| (name.to_owned(), value);
     let mut text = String::new();
     for Measured { path, image, threshold_grey, paper } in measured {
@@ -52,7 +53,7 @@ pub fn text(measured: &[Measured], relative: &Result<Stiffness, String>) -> Stri
         rows.extend(paper.warnings.iter().map(|warning| row("note", warning.clone())));
         text.push_str(&format!("{}\n{}", path.display(), columns(&rows)));
     }
-    let rows = match relative {
+    let mut rows = match relative {
         Ok(stiffness) => vec![
             row("force", said(&stiffness.force_n, "N")),
             row("pressure", said(&stiffness.pressure_kpa, "kPa")),
@@ -61,6 +62,7 @@ pub fn text(measured: &[Measured], relative: &Result<Stiffness, String>) -> Stri
         ],
         Err(reason) => vec![row("stiffness", format!("undefined: {reason}"))],
     };
+    rows.extend(inclusion_rows(inclusion));
     text + &columns(&rows)
 }
 
@@ -70,7 +72,12 @@ fn said(value: &Value, unit: &str) -> String {
 }
 
 /// The same for programs.
-pub fn json(measured: &[Measured], relative: &Result<Stiffness, String>, reference: Option<&Path>) -> Json {
+pub fn json(
+    measured: &[Measured],
+    relative: &Result<Stiffness, String>,
+    inclusion: &Estimates,
+    reference: Option<&Path>,
+) -> Json {
     let image = |one: &Measured| {
         let mut paper = json!(one.paper);
         paper["threshold_grey"] = json!(one.threshold_grey);
@@ -85,6 +92,7 @@ pub fn json(measured: &[Measured], relative: &Result<Stiffness, String>, referen
         "images": measured.iter().map(image).collect::<Vec<_>>(),
         "threshold_grey": common_threshold(measured),
         "reference": reference.map(|path| path.display().to_string()),
+        "estimates": inclusion,
         "stiffness": match relative {
             Ok(stiffness) => json!(stiffness),
             Err(reason) => json!({"undefined": reason}),

@@ -7,7 +7,7 @@ use super::regimes::layers;
 use super::regimes::regimes;
 use super::shot::{CameraPictures, Pictures};
 use super::truth::{truth_rows, truth_table};
-use crate::estimate::Value;
+use crate::estimate::{Detected, Estimates, Value};
 use crate::pipeline::{NO_MECHANICS, Reading, Shot, Truth};
 use crate::report::{Item, Report, Section, Table};
 
@@ -103,6 +103,7 @@ fn estimates(figures: &Reading, reference: Option<&str>, truth: &Truth) -> Secti
         None => "the raw frame".to_owned(),
     };
     let mut items = vec![
+        Item::Text(format!("Inclusion: {}.", found(&figures.estimates.detected))),
         Item::from_estimates(&figures.estimates),
         Item::Text(format!(
             "Figures of the image as the TSIS paper defines them, of {image}, with a threshold of {} grey levels. \
@@ -177,6 +178,26 @@ fn provenance(shot: &Shot, command: &str) -> Vec<(String, String)> {
     rows
 }
 
+/// What is said of the inclusion.
+pub fn inclusion_rows(estimates: &Estimates) -> Vec<(String, String)> {
+    let row = |name: &str, value: String| (name.to_owned(), value);
+    vec![
+        row("inclusion", found(&estimates.detected)),
+        row("size", said(&estimates.size_mm, "mm")),
+        row("depth", said(&estimates.depth_mm, "mm to its top")),
+        row("modulus", said(&estimates.youngs_kpa, "kPa")),
+    ]
+}
+
+/// Whether there is one, in words.
+fn found(detected: &Detected) -> String {
+    match detected {
+        Detected::Known(true) => "there is one".into(),
+        Detected::Known(false) => "none is told from noise".into(),
+        Detected::Undefined { undefined } => format!("undefined: {undefined}"),
+    }
+}
+
 /// A run in words; `out` is its folder.
 pub fn text(shot: &Shot, figures: &Reading, truth: &Truth, out: &str) -> String {
     let (paper, estimates) = (&figures.paper, &figures.estimates);
@@ -199,10 +220,8 @@ pub fn text(shot: &Shot, figures: &Reading, truth: &Truth, out: &str) -> String 
         row("its diameter", said(&paper.diameter_mm, "mm")),
         row("indicator h", said(&paper.h_grey, "grey levels")),
         row("sum M", said(&paper.sum_grey, "grey levels")),
-        row("size", said(&estimates.size_mm, "mm")),
-        row("depth", said(&estimates.depth_mm, "mm")),
-        row("modulus", said(&estimates.youngs_kpa, "kPa")),
     ]);
+    rows.extend(inclusion_rows(estimates));
     rows.extend(truth_rows(truth));
     rows.extend(paper.warnings.iter().map(|warning| row("note", warning.clone())));
     rows.push(row("folder", out.to_owned()));

@@ -1,0 +1,55 @@
+//! Calibrations: what a sensor's frames say of an inclusion, learnt from simulated frames of many.
+//!
+//! A sweep draws phantoms and keeps the radiance of each load. [`FrameModel::learn`] learns from it how the frames
+//! follow the unknowns ([`crate::infer`]); a second sweep of phantoms without an inclusion tells what is seen where
+//! there is none, a third one, of one LED at a time, what each LED's power does. Frames of a camera are then inverted:
+//! size, depth and modulus of the inclusion with intervals, all else integrated away, or "undefined" with the reason.
+
+mod blocks;
+mod file;
+mod frames;
+mod model;
+mod ready;
+mod training;
+
+pub use blocks::Blocks;
+pub use file::{CalibrationFile, Parts};
+pub use frames::Frames;
+pub use model::FrameModel;
+pub use ready::ready;
+pub use training::Training;
+
+use crate::image_io::ImageError;
+use crate::infer::FitError;
+use crate::sweep::SweepFolderError;
+use std::path::PathBuf;
+
+/// Why there is no calibration.
+#[derive(Debug, thiserror::Error)]
+pub enum CalibrateError {
+    /// A folder that is none of a sweep.
+    #[error(transparent)]
+    Folder(#[from] SweepFolderError),
+    /// A sweep that nothing can be learnt from.
+    #[error("{}: {why}", .folder.display())]
+    Unsuited {
+        /// Its folder.
+        folder: PathBuf,
+        /// Why.
+        why: String,
+    },
+    /// An image that cannot be read.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// Points that tell too little.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// A file that is no calibration.
+    #[error("{}: is no calibration: {why}", .file.display())]
+    File {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        why: String,
+    },
+}

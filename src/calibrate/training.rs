@@ -1,0 +1,110 @@
+//! Frames to learn from: the images that a sweep kept, each with its point.
+
+use super::{Blocks, CalibrateError};
+use crate::image_io::read_radiance;
+use crate::infer::{Prior, Unknown};
+use crate::output::Records;
+use crate::sweep::{Format, Kept, Loads, Record, Sweep};
+use crate::vary::Vary;
+use rayon::prelude::*;
+use std::path::Path;
+
+/// What a sweep's images hold.
+pub struct Training {
+    /// The sweep.
+    pub sweep: Sweep,
+    /// What was drawn.
+    pub unknowns: Vec<Unknown>,
+    /// Points: a coordinate of each unknown.
+    pub points: Vec<Vec<f64>>,
+    /// Row of each in the sweep.
+    pub rows: Vec<usize>,
+    /// Depths that the loads stand for, mm: those of the base scene.
+    pub depths_mm: Vec<f64>,
+    /// How images are cut.
+    pub blocks: Blocks,
+    /// Mean radiance of each block, one load after the other, W/(m^2 sr).
+    pub light: Vec<Vec<f64>>,
+    /// Relative error of a pixel at each load, root mean square over points and pixels.
+    pub errors: Vec<f64>,
+}
+
+impl Training {
+    /// Reads the folder of a sweep that kept the radiance of all loads.
+    ///
+    /// # Errors
+    /// A folder of another kind, an image that cannot be read.
+    pub fn read(folder: &Path) -> Result<Self, CalibrateError> {
+        let (sweep, records) = Sweep::of_folder(folder)?;
+        let unsuited = |why: &str| CalibrateError::Unsuited { folder: folder.to_path_buf(), why: why.to_owned() };
+        if !sweep.file.sweep.images.is_some_and(|images| images.format == Format::Exr && images.loads == Loads::All) {
+            return Err(unsuited("keeps no radiance of all loads: images = { format = \"exr\", loads = \"all\" }"));
+        }
+        let scene = &sweep.base.scene;
+        let press = scene.press.as_ref().ok_or_else(|| unsuited("presses nothing"))?;
+        let depths_mm = press.depths_mm.clone().ok_or_else(|| unsuited("presses to no depths_mm"))?;
+        let pixels = scene.camera.pixels;
+        let blocks =
+            Blocks::of(pixels).ok_or_else(|| unsuited("has a camera whose pixels fall into no equal blocks"))?;
+        let free = sweep.plan.free();
+        let drawn: Vec<(usize, Unknown)> =
+            free.iter().filter_map(|&k| Some((k, unknown(sweep.file.vary.get(k)?)?))).collect();
+        let kept: Vec<_> = sweep.kept(&records).filter(|(_, record)| record.images.len() == depths_mm.len()).collect();
+        if kept.is_empty() {
+            return Err(unsuited("has no point that is done"));
+        }
+        let images = kept.par_iter().map(|(row, record)| {
+            let of_load = |kept: &Kept| point_image(&sweep, &records, *row, &kept.file, blocks);
+            record.images.iter().map(of_load).collect::<Result<Vec<_>, CalibrateError>>()
+        });
+        let images = images.collect::<Result<Vec<_>, CalibrateError>>()?;
+        let error = |load: usize| {
+            let squares: f64 = images.iter().filter_map(|point| point.get(load)).map(|(_, error)| error * error).sum();
+            (squares / images.len() as f64).sqrt()
+        };
+        let errors = (0..depths_mm.len()).map(error).collect();
+        let coordinates = |record: &Record| -> Vec<f64> {
+            let values = drawn.iter().filter_map(|(k, _)| record.values.get(*k)?.number());
+            drawn.iter().zip(values).map(|((_, unknown), value)| unknown.prior.coordinate(value)).collect()
+        };
+        let points = kept.iter().map(|(_, record)| coordinates(record)).collect();
+        let rows = kept.iter().map(|(row, _)| *row).collect();
+        let unknowns = drawn.into_iter().map(|(_, unknown)| unknown).collect();
+        let light = images.into_iter().map(|loads| loads.into_iter().flat_map(|(means, _)| means).collect()).collect();
+        Ok(Self { unknowns, points, rows, depths_mm, blocks, light, errors, sweep })
+    }
+}
+
+/// Means over blocks of an image of a point, and the relative error of a pixel.
+fn point_image(
+    sweep: &Sweep,
+    records: &Records,
+    row: usize,
+    file: &str,
+    blocks: Blocks,
+) -> Result<(Vec<f64>, f64), CalibrateError> {
+    let split = sweep.file.sweep.images.map_or("", |images| images.split(row));
+    let path = records.folder().join(split).join(file);
+    let (film, _) = read_radiance(&path)?;
+    let pixels = [film.width, film.height];
+    if pixels != sweep.base.scene.camera.pixels {
+        let why = format!("{} has {} x {} pixels, its scene others", path.display(), film.width, film.height);
+        return Err(CalibrateError::Unsuited { folder: records.folder().to_path_buf(), why });
+    }
+    let mean: Vec<f64> = film.mean.iter().map(|&v| f64::from(v)).collect();
+    let total: f64 = mean.iter().sum();
+    let variance: f64 = film.variance.iter().map(|&v| f64::from(v)).sum::<f64>() / mean.len().max(1) as f64;
+    let error = if total > 0.0 { variance.sqrt() * mean.len() as f64 / total } else { 0.0 };
+    Ok((blocks.means(&mean, pixels), error))
+}
+
+/// What was drawn, as an unknown; none where the variable is not drawn from a distribution.
+fn unknown(vary: &Vary) -> Option<Unknown> {
+    let name = vary.name.clone().or_else(|| vary.key.as_ref().and_then(|key| key.all().first().cloned()))?;
+    let prior = match (vary.uniform, vary.log_uniform) {
+        (Some([low, high]), _) => Prior::Uniform { low, high },
+        (_, Some([low, high])) => Prior::LogUniform { low, high },
+        (None, None) => return None,
+    };
+    Some(Unknown { name, prior })
+}

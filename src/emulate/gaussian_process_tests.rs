@@ -1,0 +1,103 @@
+use super::*;
+use crate::camera::noise::PixelRandom;
+
+const NOISE: f64 = 0.01;
+
+fn places(n: usize, seed: u32) -> Vec<Vec<f64>> {
+    let mut random = PixelRandom::new(seed, 0);
+    (0..n).map(|_| (0..4).map(|_| 2.0 * random.uniform() - 1.0).collect()).collect()
+}
+
+/// A smooth function that no parabola is.
+fn wavy(x: &[f64]) -> f64 {
+    (1.5 * x[0]).sin() * (1.0 + 0.3 * x[1]) + 0.2 * (x[1] - x[2]).exp() + 0.05 * x[3]
+}
+
+fn values(points: &[Vec<f64>], of: impl Fn(&[f64]) -> f64, seed: u32) -> Vec<f64> {
+    let mut random = PixelRandom::new(seed, 0);
+    points.iter().map(|point| of(point) + NOISE * random.normal()).collect()
+}
+
+#[test]
+fn a_smooth_function_is_found_with_its_noise_and_its_own_error() {
+    let points = places(160, 1);
+    let process = GaussianProcess::fit(&points, &values(&points, wavy, 2)).unwrap();
+    // 160 values less 15 of the trend tell a standard deviation to 6 %; what the process follows of the noise, more.
+    assert!((process.noise() / NOISE - 1.0).abs() < 0.25, "{}", process.noise());
+    let variances = process.variances().unwrap();
+    let squares = places(500, 3).into_iter().map(|place| {
+        let off = process.value(&place) - wavy(&place);
+        (off * off, off * off / variances.at(&place))
+    });
+    let (square, ratio) = squares.fold((0.0, 0.0), |sum, one| (sum.0 + one.0 / 500.0, sum.1 + one.1 / 500.0));
+    // Better than a single value; errors are as large as they say. Places share errors: some tens are independent.
+    assert!(square.sqrt() < NOISE, "{}", square.sqrt());
+    assert!((0.4..2.0).contains(&ratio), "{ratio}");
+    // A place far outside is not known.
+    assert!(variances.at(&[3.0; 4]) > 100.0 * variances.at(&[0.0; 4]));
+}
+
+#[test]
+fn a_parabola_is_exact() {
+    let parabola = |x: &[f64]| 3.0 + x[0] - 2.0 * x[1] * x[2] + 0.5 * x[3] * x[3];
+    let points = places(60, 4);
+    let exact: Vec<f64> = points.iter().map(|point| parabola(point)).collect();
+    let process = GaussianProcess::fit(&points, &exact).unwrap();
+    for place in places(20, 5) {
+        assert!((process.value(&place) - parabola(&place)).abs() < 1e-4, "{place:?}");
+    }
+}
+
+#[test]
+fn slopes_are_derivatives() {
+    let points = places(120, 6);
+    let process = GaussianProcess::fit(&points, &values(&points, wavy, 7)).unwrap();
+    for place in places(5, 8) {
+        let slope = process.slope(&place);
+        for i in 0..4 {
+            let at = |by: f64| {
+                let mut moved = place.clone();
+                moved[i] += by;
+                process.value(&moved)
+            };
+            // Third derivatives below 10 times the step squared over 6; round-off of 1e-11 over the step.
+            assert!(((at(1e-4) - at(-1e-4)) / 2e-4 - slope[i]).abs() < 1e-6);
+        }
+    }
+}
+
+/// Leaving out by formula is leaving out: with the same lengths, amplitude and noise.
+#[test]
+fn what_is_left_out_is_predicted_as_if_it_had_not_been_there() {
+    let points = places(60, 9);
+    let all = values(&points, wavy, 10);
+    let process = GaussianProcess::fit(&points, &all).unwrap();
+    let left = process.left_out(&all).unwrap();
+    for out in [0, 17, 59] {
+        let rest: Vec<usize> = (0..60).filter(|k| *k != out).collect();
+        let [mean, spread] = process.scale;
+        let part: Vec<Vec<f64>> = rest.iter().map(|&k| process.points[k].clone()).collect();
+        let known = Known::new(&part, rest.iter().map(|&k| (all[k] - mean) / spread).collect());
+        let solved = known.solve(&process.logs).unwrap();
+        let without = GaussianProcess { points: part, beta: solved.beta, weights: solved.weights, ..process.clone() };
+        let residual = all[out] - without.value(&points[out]);
+        assert!((residual - left[out].value).abs() < 1e-9, "{residual} {}", left[out].value);
+    }
+}
+
+#[test]
+fn what_cannot_be_fitted_is_said() {
+    let points = places(60, 11);
+    let fit = |points: &[Vec<f64>], values: &[f64]| GaussianProcess::fit(points, values).unwrap_err();
+    let few = fit(&points[..10], &[0.0; 10]);
+    assert_eq!(few, FitError::Few { points: 10, variables: 4, least: 24 });
+    assert_eq!(fit(&points, &[0.0; 59]), FitError::Shape);
+    assert_eq!(fit(&points, &[f64::NAN; 60]), FitError::Shape);
+    let still: Vec<Vec<f64>> = points.iter().map(|point| vec![point[0], 1.0]).collect();
+    assert_eq!(fit(&still, &[0.0; 60]), FitError::Degenerate);
+    let together: Vec<Vec<f64>> = points.iter().map(|point| vec![point[0], 2.0 * point[0]]).collect();
+    assert_eq!(fit(&together, &values(&together, |x| x[0], 1)), FitError::Degenerate);
+    // Values that are all alike are a function too.
+    let process = GaussianProcess::fit(&points, &[2.0; 60]).unwrap();
+    assert!((process.value(&[0.3; 4]) - 2.0).abs() < 1e-9);
+}

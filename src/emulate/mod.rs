@@ -1,0 +1,7 @@
+//! Emulators: fast stand-ins of a slow simulation, learnt from some of its results.
+
+pub mod components;
+pub mod gaussian_process;
+mod trend;
+pub use components::Components;
+pub use gaussian_process::{FitError, GaussianProcess, Predicted, Variances};

@@ -1,0 +1,32 @@
+//! The trend of a Gaussian process: all monomials up to the second degree.
+
+/// Monomials of `d` variables up to the second degree.
+pub(super) fn terms(d: usize) -> usize {
+    (d + 1) * (d + 2) / 2
+}
+
+/// The monomials at a place: 1, x_i, x_i x_j with j >= i.
+pub(super) fn monomials(place: &[f64]) -> Vec<f64> {
+    let mut all = Vec::with_capacity(terms(place.len()));
+    all.push(1.0);
+    all.extend_from_slice(place);
+    for (i, x) in place.iter().enumerate() {
+        all.extend(place.iter().skip(i).map(|y| x * y));
+    }
+    all
+}
+
+/// The slope of a sum of monomials with these coefficients at a place, along each variable.
+pub(super) fn slope(coefficients: &[f64], place: &[f64]) -> Vec<f64> {
+    let d = place.len();
+    let mut slope: Vec<f64> = coefficients.iter().skip(1).take(d).copied().collect();
+    let mut quadratic = coefficients.iter().skip(1 + d);
+    for i in 0..d {
+        for j in i..d {
+            let c = quadratic.next().copied().unwrap_or(0.0);
+            slope[i] += c * place[j];
+            slope[j] += c * place[i];
+        }
+    }
+    slope
+}

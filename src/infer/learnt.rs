@@ -1,0 +1,192 @@
+//! What is learnt from simulated frames: how they follow the unknowns, and how they vary for other reasons.
+//!
+//! Frames are one long vector y of logarithms of light. Weighted by its noise, y = mean + sum_k s_k(x) phi_k + noise:
+//! few principal components hold what follows the unknowns x, each score a Gaussian process of x. What training images
+//! have beside that is the noise of their light; its covariance is kept by its own components, so that a seen frame's
+//! light may be as noisy, less or more, by one factor.
+
+use super::unknown::Unknown;
+use crate::emulate::{Components, FitError, GaussianProcess};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize, Serializer};
+
+/// Components that are tried, at most, and points for each.
+const MOST_TRIED: usize = 16;
+const POINTS_A_COMPONENT: usize = 6;
+/// A component counts where its score, left out, is predicted to this share of its variance.
+const LEAST_TOLD: f64 = 0.6;
+/// Components of the noise.
+const NOISE_COMPONENTS: usize = 30;
+
+/// How scores follow unknowns.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Scored {
+    /// The unknowns.
+    pub unknowns: Vec<Unknown>,
+    /// Each score.
+    pub processes: Vec<GaussianProcess>,
+    /// Mean variance of each predicted score.
+    pub variances: Vec<f64>,
+}
+
+/// How frames follow unknowns.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Learnt {
+    /// How their scores do.
+    pub scored: Scored,
+    /// One over the standard deviation of the noise of each element, roughly.
+    #[serde(serialize_with = "short")]
+    pub weights: Vec<f64>,
+    /// Mean of the weighted vectors.
+    #[serde(serialize_with = "short")]
+    pub mean: Vec<f64>,
+    /// Directions of the weighted vectors that follow the unknowns.
+    #[serde(serialize_with = "short_each")]
+    pub directions: Vec<Vec<f64>>,
+    /// Directions of the noise of light, times its standard deviation along each.
+    #[serde(serialize_with = "short_each")]
+    pub noise: Vec<Vec<f64>>,
+    /// Variance of an element's noise beyond.
+    pub rest: f64,
+    /// What else may vary, to first order: changes of the weighted vector by one standard deviation.
+    pub nuisances: Vec<Nuisance>,
+}
+
+/// A change of the frames that is not followed but allowed for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Nuisance {
+    /// Its name.
+    pub name: String,
+    /// The change of the weighted vector by one standard deviation.
+    #[serde(serialize_with = "short")]
+    pub change: Vec<f64>,
+}
+
+impl Learnt {
+    /// Learns from vectors at points, each point a coordinate for every unknown.
+    ///
+    /// # Errors
+    /// Too few points, points that do not tell the unknowns apart.
+    pub fn from(
+        unknowns: Vec<Unknown>,
+        points: &[Vec<f64>],
+        vectors: &[Vec<f64>],
+        weights: Vec<f64>,
+    ) -> Result<Self, FitError> {
+        let n = points.len();
+        let weighted: Vec<Vec<f64>> =
+            vectors.iter().map(|vector| vector.iter().zip(&weights).map(|(v, w)| v * w).collect()).collect();
+        let Components { mean, directions, .. } = Components::of(&weighted, MOST_TRIED.min(n / POINTS_A_COMPONENT));
+        let tried = directions.into_par_iter().map(|direction| {
+            let score = |vector: &Vec<f64>| -> f64 {
+                vector.iter().zip(&mean).zip(&direction).map(|((v, mean), d)| (v - mean) * d).sum()
+            };
+            let scores: Vec<f64> = weighted.iter().map(score).collect();
+            let process = GaussianProcess::fit(points, &scores)?;
+            let left_out = process.left_out(&scores)?;
+            Ok((direction, scores, process, left_out))
+        });
+        let tried = tried.collect::<Result<Vec<_>, FitError>>()?;
+        let mut learnt = Self {
+            scored: Scored { unknowns, processes: Vec::new(), variances: Vec::new() },
+            weights,
+            mean,
+            directions: Vec::new(),
+            noise: Vec::new(),
+            rest: 0.0,
+            nuisances: Vec::new(),
+        };
+        let mut residuals: Vec<Vec<f64>> =
+            weighted.iter().map(|vector| vector.iter().zip(&learnt.mean).map(|(v, mean)| v - mean).collect()).collect();
+        for (direction, scores, process, left_out) in tried {
+            let mean = scores.iter().sum::<f64>() / n as f64;
+            let spread: f64 = scores.iter().map(|s| (s - mean).powi(2)).sum();
+            let missed: f64 = left_out.iter().map(|left| left.value.powi(2)).sum();
+            if missed > LEAST_TOLD * spread {
+                continue;
+            }
+            // Of a score remains its noise: the residual, left out, on the scale of the noise.
+            for ((residual, score), left) in residuals.iter_mut().zip(&scores).zip(&left_out) {
+                let change = process.noise() * left.value / left.variance.sqrt() - score;
+                residual.iter_mut().zip(&direction).for_each(|(r, d)| *r += change * d);
+            }
+            let own = left_out.iter().map(|left| left.variance).sum::<f64>() / n as f64;
+            learnt.scored.variances.push((own - process.noise().powi(2)).max(0.0));
+            learnt.directions.push(direction);
+            learnt.scored.processes.push(process);
+        }
+        let noise = Components::of(&residuals, NOISE_COMPONENTS.min(n / 2));
+        let length = learnt.mean.len();
+        let off_mean =
+            |residual: &Vec<f64>| -> f64 { residual.iter().zip(&noise.mean).map(|(r, mean)| (r - mean).powi(2)).sum() };
+        let total = residuals.iter().map(off_mean).sum::<f64>() / (n as f64 - 1.0);
+        let held: f64 = noise.variances.iter().sum();
+        learnt.rest = ((total - held) / (length.saturating_sub(noise.variances.len())).max(1) as f64).max(0.0);
+        learnt.noise = noise
+            .directions
+            .iter()
+            .zip(&noise.variances)
+            .map(|(direction, variance)| direction.iter().map(|d| d * variance.sqrt()).collect())
+            .collect();
+        Ok(learnt)
+    }
+
+    /// What is learnt of other unknowns in the same directions: scores of vectors at other points.
+    ///
+    /// # Errors
+    /// As [`Self::from`].
+    pub fn beside(
+        &self,
+        unknowns: Vec<Unknown>,
+        points: &[Vec<f64>],
+        vectors: &[Vec<f64>],
+    ) -> Result<Scored, FitError> {
+        let score = |vector: &Vec<f64>, direction: &Vec<f64>| -> f64 {
+            let weighted = vector.iter().zip(&self.weights).zip(&self.mean).map(|((v, w), mean)| v * w - mean);
+            weighted.zip(direction).map(|(v, d)| v * d).sum()
+        };
+        let processes = self.directions.par_iter().map(|direction| {
+            let scores: Vec<f64> = vectors.iter().map(|vector| score(vector, direction)).collect();
+            let process = GaussianProcess::fit(points, &scores)?;
+            let left_out = process.left_out(&scores)?;
+            let own = left_out.iter().map(|left| left.variance).sum::<f64>() / points.len() as f64;
+            Ok(((own - process.noise().powi(2)).max(0.0), process))
+        });
+        let (variances, processes) = processes.collect::<Result<Vec<_>, FitError>>()?.into_iter().unzip();
+        Ok(Scored { unknowns, processes, variances })
+    }
+
+    /// Whether all parts are of vectors of one length, and scores of these directions.
+    pub fn is_whole(&self, length: usize) -> bool {
+        let nuisances = self.nuisances.iter().map(|nuisance| &nuisance.change);
+        let ends = [&self.weights, &self.mean].into_iter();
+        let mut vectors = ends.chain(&self.directions).chain(&self.noise).chain(nuisances);
+        vectors.all(|vector| vector.len() == length) && self.scored.is_whole(self.directions.len())
+    }
+}
+
+impl Scored {
+    /// Scores at a place.
+    pub fn at(&self, place: &[f64]) -> Vec<f64> {
+        self.processes.iter().map(|process| process.value(place)).collect()
+    }
+
+    /// Whether it has so many scores, all of its unknowns.
+    pub fn is_whole(&self, scores: usize) -> bool {
+        let is_whole = |process: &GaussianProcess| process.is_whole(self.unknowns.len());
+        [self.processes.len(), self.variances.len()] == [scores; 2] && self.processes.iter().all(is_whole)
+    }
+}
+
+/// Numbers of five digits: a file of all would be three times as long, and say no more.
+fn short<S: Serializer>(numbers: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(numbers.iter().map(|number| shortened(*number)))
+}
+
+fn short_each<S: Serializer>(vectors: &[Vec<f64>], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(vectors.iter().map(|vector| vector.iter().map(|v| shortened(*v)).collect::<Vec<_>>()))
+}
+
+fn shortened(number: f64) -> f64 {
+    format!("{number:.4e}").parse().unwrap_or(number)
+}

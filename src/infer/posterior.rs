@@ -1,0 +1,131 @@
+//! What is known of the unknowns after frames were seen.
+//!
+//! Scores s of frames and their prediction s(x) differ by the frames' noise and the error of the prediction, with the
+//! covariance C of both. Predictions err more in some places than a Gaussian process says, so the likelihood has the
+//! heavy tails of Student's t, and C is widened: docs/decisions/inference.md has what intervals hold with and without.
+//!
+//! ```text
+//! log L = -(nu + K)/2 log(1 + q / nu),   q = (s - s(x))' C^-1 (s - s(x))
+//! ```
+
+use super::ensemble::Ensemble;
+use super::learnt::Scored;
+use super::seen::Told;
+use crate::camera::noise::PixelRandom;
+use crate::emulate::FitError;
+use faer::linalg::solvers::{DenseSolveCore as _, Llt};
+use faer::{Mat, Side};
+
+/// Draws among which the walkers start, walkers, steps until they have come to rest, and steps that are kept.
+const DRAWS: usize = 4000;
+const WALKERS: usize = 64;
+const SETTLING: usize = 150;
+const KEPT: usize = 250;
+/// Every how many steps walkers are kept.
+const EACH: usize = 5;
+/// Degrees of freedom of the tails, and what the covariance is widened by.
+const TAILS: f64 = 6.0;
+const WIDENED: f64 = 1.4;
+
+/// What is known of the unknowns after frames were seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Posterior {
+    /// Draws: a value for each unknown.
+    pub draws: Vec<Vec<f64>>,
+    /// The most likely values, and what is left of the scores there: sum of squares and degrees of freedom.
+    pub best: Vec<f64>,
+    /// Sum of squares of the scores at the best in units of their errors, and its degrees of freedom.
+    pub misfit: [f64; 2],
+}
+
+impl Scored {
+    /// Draws of the unknowns, given what frames tell.
+    ///
+    /// # Errors
+    /// A covariance that cannot be factorised.
+    pub fn posterior(&self, told: &Told, seed: u32) -> Result<Posterior, FitError> {
+        let mut random = PixelRandom::new(seed, 1);
+        let drawn = |random: &mut PixelRandom| -> Vec<f64> {
+            let along = |[low, high]: [f64; 2], u: f64| low + (high - low) * u;
+            self.unknowns.iter().map(|unknown| along(unknown.prior.bounds(), random.uniform())).collect()
+        };
+        let rough = self.density(told, &self.variances)?;
+        let mut places: Vec<(f64, Vec<f64>)> =
+            (0..DRAWS).map(|_| drawn(&mut random)).map(|place| (rough(&place), place)).collect();
+        places.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let places = places.into_iter().take(WALKERS).map(|(_, place)| place).collect();
+        let mut ensemble = Ensemble::new(places, seed ^ 0x5a5a, &rough);
+        (0..SETTLING).for_each(|_| ensemble.step(&rough));
+        let best = |ensemble: &Ensemble| {
+            ensemble
+                .walkers
+                .iter()
+                .max_by(|a, b| a.1.total_cmp(&b.1))
+                .map(|(place, _)| place.clone())
+                .unwrap_or_default()
+        };
+        // The variance of the prediction is that at the best place.
+        let at = best(&ensemble);
+        let variances = self.processes.iter().map(|process| Ok(process.variances()?.at(&at)));
+        let variances = variances.collect::<Result<Vec<f64>, FitError>>()?;
+        let density = self.density(told, &variances)?;
+        let places = ensemble.walkers.into_iter().map(|(place, _)| place).collect();
+        let mut ensemble = Ensemble::new(places, seed ^ 0xa5a5, &density);
+        let mut draws = Vec::new();
+        let mut top = (f64::NEG_INFINITY, at);
+        for step in 0..SETTLING + KEPT {
+            ensemble.step(&density);
+            for (place, log) in &ensemble.walkers {
+                if *log > top.0 {
+                    top = (*log, place.clone());
+                }
+            }
+            if step >= SETTLING && step % EACH == 0 {
+                draws.extend(ensemble.walkers.iter().map(|(place, _)| self.values(place)));
+            }
+        }
+        let prior: f64 = self.unknowns.iter().zip(&top.1).map(|(one, x)| one.prior.log_density(*x)).sum();
+        let freedom = self.processes.len() as f64 - self.unknowns.len() as f64;
+        // The sum of squares whose tail has this density.
+        let tails = TAILS + self.processes.len() as f64;
+        let square = TAILS * (2.0 * (prior - top.0) / tails).exp_m1();
+        Ok(Posterior { draws, best: self.values(&top.1), misfit: [square, freedom] })
+    }
+
+    /// Values of the unknowns of a place.
+    fn values(&self, place: &[f64]) -> Vec<f64> {
+        self.unknowns.iter().zip(place).map(|(unknown, x)| unknown.prior.value(*x)).collect()
+    }
+
+    /// Logarithm of the density of a place, where predicted scores have these variances.
+    fn density<'a>(&'a self, told: &'a Told, variances: &[f64]) -> Result<impl Fn(&[f64]) -> f64 + 'a, FitError> {
+        let k = told.scores.len();
+        let whole =
+            Mat::from_fn(k, k, |i, j| WIDENED * (told.covariance[(i, j)] + if i == j { variances[i] } else { 0.0 }));
+        let inverse = Llt::new(whole.as_ref(), Side::Lower).map_err(|_| FitError::Degenerate)?.inverse();
+        Ok(move |place: &[f64]| {
+            let prior: f64 = self.unknowns.iter().zip(place).map(|(one, x)| one.prior.log_density(*x)).sum();
+            if prior == f64::NEG_INFINITY {
+                return prior;
+            }
+            let off: Vec<f64> = told.scores.iter().zip(self.at(place)).map(|(told, s)| told - s).collect();
+            let mut square = 0.0;
+            for i in 0..k {
+                for j in 0..k {
+                    square += off[i] * inverse[(i, j)] * off[j];
+                }
+            }
+            prior - 0.5 * (TAILS + k as f64) * (square / TAILS).ln_1p()
+        })
+    }
+}
+
+impl Posterior {
+    /// Quantile of an unknown.
+    pub fn quantile(&self, unknown: usize, share: f64) -> f64 {
+        let mut values: Vec<f64> = self.draws.iter().filter_map(|draw| draw.get(unknown).copied()).collect();
+        values.sort_by(f64::total_cmp);
+        let place = (share * values.len().saturating_sub(1) as f64).round() as usize;
+        values.get(place).copied().unwrap_or(f64::NAN)
+    }
+}

@@ -1,0 +1,106 @@
+use super::*;
+use crate::camera::noise::PixelRandom;
+use rayon::prelude::*;
+
+const LENGTH: usize = 600;
+const CASES: u32 = 40;
+
+fn unknowns() -> Vec<Unknown> {
+    let one = |name: &str, prior| Unknown { name: name.into(), prior };
+    vec![
+        one("size", Prior::LogUniform { low: 4.0, high: 14.0 }),
+        one("depth", Prior::Uniform { low: 2.0, high: 11.0 }),
+        one("brightness", Prior::Uniform { low: -0.3, high: 0.3 }),
+    ]
+}
+
+/// A bump whose width and height follow size and depth, in two frames.
+fn light(place: &[f64]) -> Vec<f64> {
+    let (size, depth, brightness) = (place[0].exp(), place[1], place[2]);
+    let height = 0.4 * (size / (depth + 0.5 * size)).powi(2);
+    let width = 0.6 * (depth + 0.5 * size);
+    let at = |i: usize| {
+        let r = 15.0 * (i % 300) as f64 / 300.0;
+        let deep = if i < 300 { 0.6 } else { 1.0 };
+        brightness * deep + (1.0 + height * deep * (-(r / width).powi(2)).exp()).ln()
+    };
+    (0..LENGTH).map(at).collect()
+}
+
+/// Noise that neighbours share, and the camera's.
+fn noisy(light: Vec<f64>, shared: f64, own: f64, random: &mut PixelRandom) -> Vec<f64> {
+    let knots: Vec<f64> = (0..=LENGTH / 20).map(|_| shared * random.normal()).collect();
+    let at = |(i, v): (usize, f64)| {
+        let (k, u) = (i / 20, (i % 20) as f64 / 20.0);
+        v + knots[k] * (1.0 - u) + knots[k + 1] * u
+    };
+    let smooth: Vec<f64> = light.into_iter().enumerate().map(at).collect();
+    smooth.into_iter().map(|v| v + own * random.normal()).collect()
+}
+
+fn drawn(random: &mut PixelRandom) -> Vec<f64> {
+    let along = |unknown: &Unknown, u: f64| {
+        let [low, high] = unknown.prior.bounds();
+        low + (high - low) * u
+    };
+    unknowns().iter().map(|unknown| along(unknown, random.uniform())).collect()
+}
+
+/// Learnt from points whose first unknown is told wrong by so much.
+fn learnt(shift: f64) -> Learnt {
+    let mut random = PixelRandom::new(7, 0);
+    let points: Vec<Vec<f64>> = (0..150).map(|_| drawn(&mut random)).collect();
+    let vectors: Vec<Vec<f64>> = points.iter().map(|p| noisy(light(p), 0.01, 0.002, &mut random)).collect();
+    let told: Vec<Vec<f64>> = points.iter().map(|p| vec![p[0] + shift, p[1], p[2]]).collect();
+    Learnt::from(unknowns(), &told, &vectors, vec![100.0; LENGTH]).unwrap()
+}
+
+/// How many intervals, with their half widths times `stretch`, hold the truth of each unknown; and the noise's factor.
+fn held(learnt: &Learnt, shared: f64, stretch: f64) -> ([u32; 3], f64) {
+    let case = |case: u32| {
+        let mut random = PixelRandom::new(11, case);
+        let place = drawn(&mut random);
+        let values = noisy(light(&place), shared, 0.002, &mut random).into_iter().map(Some).collect();
+        let told = learnt.told(&Seen { values, variances: vec![0.002f64.powi(2); LENGTH] }).unwrap();
+        let posterior = learnt.scored.posterior(&told, case).unwrap();
+        let held = [0, 1, 2].map(|k| {
+            let prior = unknowns()[k].prior;
+            let at = |share: f64| prior.coordinate(posterior.quantile(k, share));
+            let middle = at(0.5);
+            let [low, high] = [0.025, 0.975].map(|share| middle + stretch * (at(share) - middle));
+            u32::from(low <= place[k] && place[k] <= high)
+        });
+        (held, told.noise_factor)
+    };
+    let all: Vec<([u32; 3], f64)> = (0..CASES).into_par_iter().map(case).collect();
+    let held = [0, 1, 2].map(|k| all.iter().map(|(held, _)| held[k]).sum());
+    (held, all.iter().map(|(_, factor)| factor / f64::from(CASES)).sum())
+}
+
+/// 95 of 100 expected; four standard deviations of 40 cases are 5.5.
+#[test]
+fn intervals_hold_the_truth_whatever_the_noise_of_the_light() {
+    let learnt = learnt(0.0);
+    for (shared, variance) in [(0.01, 1.0), (0.003, 0.09), (0.03, 9.0)] {
+        let (held, factor) = held(&learnt, shared, 1.0);
+        assert!(held.iter().all(|held| *held >= 32), "{shared}: {held:?} of {CASES}");
+        // The camera's noise is known; what is learnt of the light's, of 150 images, is good to a third.
+        assert!((0.7 * variance..1.4 * variance + 0.1).contains(&factor), "{shared}: {factor}");
+    }
+}
+
+/// Wrong labels and intervals of a third of the width must show.
+#[test]
+fn faults_show_in_the_coverage() {
+    let (short, _) = held(&learnt(0.0), 0.01, 0.33);
+    assert!(short.iter().all(|held| *held < 29), "{short:?}");
+    let (wrong, _) = held(&learnt(0.3), 0.003, 1.0);
+    assert!(wrong[0] < 27, "{wrong:?}");
+}
+
+#[test]
+fn frames_without_enough_elements_tell_nothing() {
+    let learnt = learnt(0.0);
+    let values = (0..LENGTH).map(|i| (i < 30).then_some(0.0)).collect();
+    assert_eq!(learnt.told(&Seen { values, variances: vec![0.0; LENGTH] }), None);
+}
