@@ -31,6 +31,11 @@ fn main() -> Result<()> {
         let all = all.collect::<Result<Vec<_>>>()?;
         let found = all.iter().filter(|(_, told)| told.detected == Detected::Known(true)).count();
         println!("{folder}: an inclusion is found in {found} of {}", all.len());
+        for (_, told) in &all {
+            if let Detected::Undefined { undefined } = &told.detected {
+                println!("  undefined: {undefined}");
+            }
+        }
         let figures: [(&str, OfTruth, OfTold); 3] = [
             ("size, mm", |truth| &truth.size_mm, |told| &told.size_mm),
             ("depth, mm", |truth| &truth.depth_mm, |told| &told.depth_mm),

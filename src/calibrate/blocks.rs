@@ -31,13 +31,12 @@ impl Blocks {
 
     /// Pixels of each block of an image of so many pixels.
     pub fn pixels(&self, [width, height]: [u32; 2]) -> Vec<Vec<usize>> {
-        let [columns, rows] = self.count;
+        let [columns, rows] = self.count.map(|count| count as usize);
+        let [width, height] = [width, height].map(|pixels| pixels as usize);
         let mut blocks = vec![Vec::new(); self.total()];
-        for (pixel, block) in (0..width * height).map(|pixel| {
+        for pixel in 0..width * height {
             let (column, row) = (pixel % width * columns / width, pixel / width * rows / height);
-            (pixel as usize, (row * columns + column) as usize)
-        }) {
-            blocks[block].push(pixel);
+            blocks[row * columns + column].push(pixel);
         }
         blocks
     }

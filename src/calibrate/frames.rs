@@ -48,6 +48,12 @@ impl Frames<'_> {
         if [frame.width(), frame.height()] != [width as usize, height as usize] {
             return Err(format!("the frame has {} x {} pixels, the camera others", frame.width(), frame.height()));
         }
+        let top = f64::from(top_grey(self.camera.sensor.bit_depth));
+        if frame.top_grey() != Some(top) {
+            let ends =
+                frame.top_grey().map_or("has no grey levels".to_owned(), |ends| format!("has levels up to {ends}"));
+            return Err(format!("the frame {ends}, the camera's end at {top}"));
+        }
         if !blocks.fits(self.camera.pixels) {
             let [columns, rows] = blocks.count;
             return Err(format!("{width} x {height} pixels do not fall into {columns} x {rows} equal blocks"));
@@ -62,7 +68,7 @@ impl Frames<'_> {
         let (dark, lit) = (electrons(0.0), electrons(1.0));
         let (Ok(dark), Ok(lit)) = (dark, lit) else { return Err("the camera's exposure makes no sense".into()) };
         let sensor = &self.camera.sensor;
-        let gain = f64::from(top_grey(sensor.bit_depth)) / sensor.full_well_e;
+        let gain = top / sensor.full_well_e;
         let background = dark.first().copied().unwrap_or(0.0);
         let read = |pixels: Vec<usize>| {
             let count = pixels.len() as f64;

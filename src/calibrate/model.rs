@@ -2,19 +2,21 @@
 
 use super::{Blocks, CalibrateError, Frames, Training};
 use crate::estimate::{Detected, Estimates, Value};
-use crate::infer::{Learnt, Nuisance, Posterior, Scored, Seen, Told, Unknown};
+use crate::infer::{Learnt, Nuisance, Posterior, Scored, Seen, TAILS, Told, Unknown};
 use crate::scene::{Camera, DepthTo, Input, LoadedScene, parse};
 use crate::vary::{KeyPath, Scalar, Vary};
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ChiSquared, ContinuousCDF as _};
+use statrs::distribution::{ChiSquared, ContinuousCDF as _, FisherSnedecor};
 use std::path::Path;
 
 /// Blocks are used where their light is nowhere below this share of the frame's brightest.
 const LEAST_LIGHT: f64 = 0.03;
 /// Relative standard deviation that LEDs' powers are allowed, each on its own (their drift, and the exposure's).
 const LED_SPREAD: f64 = 0.03;
-/// Chance of a false alarm: that an inclusion is found where there is none.
-const FALSE_ALARM: f64 = 0.01;
+/// Level of the test whether there is an inclusion.
+const LEVEL: f64 = 0.01;
+/// Share of all power that one LED has where it is lit alone.
+const LIT_ALONE: f64 = 0.999;
 /// Unknowns that an inclusion adds.
 const OF_AN_INCLUSION: f64 = 3.0;
 /// The interval's share.
@@ -24,6 +26,8 @@ const WIDEST: f64 = 0.8;
 /// Share of the range at each end, and of the draws in it beyond which the truth may lie outside.
 const EDGE: f64 = 0.05;
 const AT_EDGE: f64 = 0.2;
+/// Standard deviations that a nuisance may be off.
+const MOST_OFF: f64 = 5.0;
 /// Light that is so many times as noisy as that of the training images (variances) is of another kind.
 const NOISIEST: f64 = 30.0;
 /// Chance below which the frames are not those of any phantom that was learnt.
@@ -49,8 +53,6 @@ pub struct FrameModel {
     pub version: String,
     /// The sensor's scene.
     scene: String,
-    /// Keys that differed from phantom to phantom.
-    varied: Vec<String>,
     /// Depths of the loads, mm.
     pub depths_mm: Vec<f64>,
     /// Columns and rows of blocks.
@@ -58,8 +60,8 @@ pub struct FrameModel {
     /// Load and block of each element.
     elements: Vec<[usize; 2]>,
     roles: Vec<Role>,
-    /// Key of each unknown, where it has one.
-    keys: Vec<Option<String>>,
+    /// Keys of each unknown.
+    keys: Vec<Vec<String>>,
     learnt: Learnt,
     /// The same of phantoms without an inclusion.
     empty: Option<Scored>,
@@ -83,11 +85,18 @@ impl FrameModel {
             design.light.iter().all(|light| of(light, *place) > LEAST_LIGHT * brightest(light, place[0]))
         };
         let elements: Vec<[usize; 2]> = places.filter(|place| lit(place) && bright(place)).collect();
-        for other in others {
-            if other.blocks != design.blocks || other.depths_mm != design.depths_mm {
-                let why = "has other pixels or loads than the design".to_owned();
-                return Err(CalibrateError::Unsuited { folder: other.sweep.base_file.clone(), why });
-            }
+        let unsuited = |training: &Training, why: &str| CalibrateError::Unsuited {
+            folder: training.folder.clone(),
+            why: why.to_owned(),
+        };
+        if others.clone().any(|other| other.sweep.base.text != design.sweep.base.text) {
+            return Err(unsuited(design, "and the other sweeps are not of one scene"));
+        }
+        if let Some(other) = [Some(design), empty].into_iter().flatten().find(|one| one.unknowns.len() != one.free) {
+            return Err(unsuited(other, "draws a variable that is neither uniform nor log_uniform"));
+        }
+        if elements.is_empty() {
+            return Err(unsuited(design, "has no part of a frame that all phantoms light"));
         }
         let logs = |training: &Training| -> Vec<Vec<f64>> {
             let vector = |light: &Vec<f64>| elements.iter().map(|place| of(light, *place).ln()).collect();
@@ -96,15 +105,15 @@ impl FrameModel {
         let weights: Vec<f64> =
             elements.iter().map(|[load, _]| 1.0 / design.errors.get(*load).copied().unwrap_or(1.0).max(1e-6)).collect();
         let mut learnt = Learnt::from(design.unknowns.clone(), &design.points, &logs(design), weights)?;
+        if learnt.directions.is_empty() {
+            return Err(unsuited(design, "has frames that do not follow what was drawn"));
+        }
         if let Some(leds) = leds {
-            learnt.nuisances = nuisances(leds, &elements, &learnt.weights, of);
+            let changes = nuisances(leds, &elements, &learnt.weights, of);
+            learnt.nuisances = changes.ok_or_else(|| unsuited(leds, "does not light each LED alone"))?;
         }
         let beside = |empty: &Training| learnt.beside(empty.unknowns.clone(), &empty.points, &logs(empty));
         let empty = empty.map(beside).transpose()?;
-        let keys = |training: &Training| -> Vec<String> {
-            let keys = training.sweep.file.vary.iter().filter_map(|vary| vary.key.as_ref());
-            keys.flat_map(|keys| keys.all().to_vec()).collect()
-        };
         let inclusion = design.sweep.base.scene.phantom.as_ref().and_then(|phantom| phantom.inclusion.first());
         let is_of_top = inclusion.is_some_and(|inclusion| inclusion.depth_to == DepthTo::Top);
         let key = |unknown: &Unknown| {
@@ -112,20 +121,19 @@ impl FrameModel {
                 (Some(name), _) => *name == unknown.name,
                 (None, keys) => keys.as_ref().is_some_and(|keys| keys.all() == [unknown.name.as_str()]),
             };
-            let keys = design.sweep.file.vary.iter().find(named)?.key.as_ref()?;
-            keys.all().first().cloned()
+            let keys = design.sweep.file.vary.iter().find(named).and_then(|vary| vary.key.as_ref());
+            keys.map(|keys| keys.all().to_vec()).unwrap_or_default()
         };
-        let role = |key: &Option<String>| match key.as_deref() {
+        let role = |keys: &Vec<String>| match keys.first().map(String::as_str) {
             Some("phantom.inclusion[0].shape.diameter_mm") => Role::Size,
             Some("phantom.inclusion[0].depth_mm") if is_of_top => Role::Depth,
             Some("phantom.inclusion[0].material.youngs_kpa") => Role::Youngs,
             _ => Role::Other,
         };
-        let own: Vec<Option<String>> = learnt.scored.unknowns.iter().map(key).collect();
+        let own: Vec<Vec<String>> = learnt.scored.unknowns.iter().map(key).collect();
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").into(),
             scene: design.sweep.base.text.clone(),
-            varied: keys(design),
             depths_mm: design.depths_mm.clone(),
             blocks: design.blocks.count,
             elements,
@@ -192,23 +200,23 @@ impl FrameModel {
         }
         // What an inclusion is like is what is asked; all else that varied must be within what was learnt.
         let scene = serde_json::to_value(&loaded.scene).map_err(|error| error.to_string())?;
-        let outside =
-            self.learnt.scored.unknowns.iter().zip(&self.keys).zip(&self.roles).find_map(|((one, key), role)| {
-                let key = key.as_deref().filter(|_| *role == Role::Other)?;
-                let value = scene.pointer(&format!("/{}", key.replace(['.', '['], "/").replace(']', "")))?.as_f64()?;
-                let [low, high] = one.prior.bounds();
-                let range = [one.prior.value(low), one.prior.value(high)];
-                (!(range[0]..=range[1]).contains(&value))
-                    .then(|| format!("it was learnt of {key} from {} to {}, the scene has {value}", range[0], range[1]))
+        let at = |key: &str| scene.pointer(&format!("/{}", key.replace(['.', '['], "/").replace(']', "")))?.as_f64();
+        let others = self.learnt.scored.unknowns.iter().zip(&self.keys).zip(&self.roles);
+        let others = others.filter(|(_, role)| **role == Role::Other);
+        let mut outside =
+            others.flat_map(|((one, keys), _)| keys.iter().map(move |key| (one, key))).filter_map(|(one, key)| {
+                let [low, high] = one.prior.bounds().map(|end| one.prior.value(end));
+                let value = at(key).filter(|value| !(low..=high).contains(value))?;
+                Some(format!("it was learnt of {key} from {} to {}, the scene has {value}", short(low), short(high)))
             });
-        outside.map_or(Ok(()), Err)
+        outside.next().map_or(Ok(()), Err)
     }
 
     /// A scene's text without what may differ.
     fn bare(&self, text: &str) -> Result<toml::Value, String> {
         let document = text.parse::<toml_edit::DocumentMut>();
         let mut document = document.map_err(|error| error.to_string())?;
-        for key in self.varied.iter().filter(|key| !key.starts_with("press.depths_mm")) {
+        for key in self.keys.iter().flatten() {
             let path = key.parse::<KeyPath>()?;
             path.set(document.as_item_mut(), &Scalar::Number(1.0))?;
         }
@@ -255,13 +263,22 @@ impl FrameModel {
         let Ok(posterior) = self.learnt.scored.posterior(&told, SEED) else {
             return undefined("the calibration cannot be inverted".into());
         };
-        if let [misfit, freedom] = posterior.misfit
-            && freedom >= 1.0
-            && chance(misfit, freedom) < LEAST_CHANCE
-        {
+        let nuisances = self.learnt.off(&seen, &posterior.scores).unwrap_or_default();
+        let off = self.learnt.nuisances.iter().zip(&nuisances).find(|(_, off)| off.abs() > MOST_OFF);
+        if let Some((nuisance, off)) = off {
             return undefined(format!(
-                "no phantom that the calibration knows gives these frames (sum of squares {misfit:.0} for {freedom} \
-                 degrees of freedom)"
+                "the frames differ from what the calibration allows: {} would be {} % off; compare power, exposure, black \
+                 level and bits",
+                nuisance.name,
+                short(100.0 * LED_SPREAD * off)
+            ));
+        }
+        // As many degrees of freedom as scores: on the safe side, for the unknowns take some.
+        if chance(posterior.misfit, self.scores() as f64) < LEAST_CHANCE {
+            return undefined(format!(
+                "no phantom that the calibration knows gives these frames (sum of squares {} for {} scores)",
+                short(posterior.misfit),
+                self.scores()
             ));
         }
         let detected = self.detected(&told, &posterior);
@@ -296,14 +313,15 @@ impl FrameModel {
         })
     }
 
-    /// Whether an inclusion is told from none: the likelihoods' ratio, whose double logarithm is a chi-square number
-    /// where there is none (Wilks 1938).
+    /// Whether an inclusion is told from none: by how much a phantom with one fits better than one without, against
+    /// F's distribution: a chi-square number of as many degrees of freedom as an inclusion has unknowns (Wilks 1938),
+    /// over the spread that the scores' tails have.
     fn detected(&self, told: &Told, posterior: &Posterior) -> Detected {
         let none = self.empty.as_ref().map(|empty| empty.posterior(told, SEED));
         match none {
             Some(Ok(none)) => {
-                let gain = none.misfit[0] - posterior.misfit[0];
-                Detected::Known(chance(gain.max(0.0), OF_AN_INCLUSION) < FALSE_ALARM)
+                let gain = none.misfit - posterior.misfit;
+                Detected::Known(chance_in_tails(gain.max(0.0)) < LEVEL)
             }
             Some(Err(error)) => Detected::Undefined { undefined: error.to_string() },
             None => Detected::Undefined { undefined: "the calibration knows no frames without an inclusion".into() },
@@ -315,16 +333,23 @@ impl FrameModel {
         let Some(unknown) = self.learnt.scored.unknowns.get(k) else { return Value::undefined("is not an unknown") };
         let tail = 0.5 * (1.0 - SHARE);
         let [low, middle, high] = [tail, 0.5, 1.0 - tail].map(|share| posterior.quantile(k, share));
+        if ![low, middle, high].iter().all(|v| v.is_finite()) {
+            return Value::undefined("the calibration cannot be inverted");
+        }
         let coordinate = |value: f64| unknown.prior.coordinate(value);
         let [first, last] = unknown.prior.bounds();
-        let range = format!("{:.3} to {:.3}", unknown.prior.value(first), unknown.prior.value(last));
+        let range = format!("{} to {}", short(unknown.prior.value(first)), short(unknown.prior.value(last)));
         let within = |from: f64, to: f64| {
             let there = |draw: &&Vec<f64>| draw.get(k).is_some_and(|v| (from..=to).contains(&coordinate(*v)));
             posterior.draws.iter().filter(there).count() as f64 / posterior.draws.len().max(1) as f64
         };
         let width = last - first;
         if coordinate(high) - coordinate(low) > WIDEST * SHARE * width {
-            return Value::undefined(format!("the frames do not tell it: anything from {low:.3} to {high:.3} may be"));
+            return Value::undefined(format!(
+                "the frames do not tell it: anything from {} to {} may be",
+                short(low),
+                short(high)
+            ));
         }
         if within(first, first + EDGE * width) > AT_EDGE || within(last - EDGE * width, last) > AT_EDGE {
             return Value::undefined(format!("it lies at or beyond the end of what the calibration knows, {range}"));
@@ -333,34 +358,54 @@ impl FrameModel {
     }
 }
 
+/// A number in three digits.
+fn short(value: f64) -> String {
+    let digits = 2.0 - value.abs().max(1e-3).log10().floor();
+    format!("{value:.*}", digits.clamp(0.0, 5.0) as usize)
+}
+
+/// Chance of as large a gain where there is no inclusion: of F's distribution, as scores have Student's tails.
+fn chance_in_tails(gain: f64) -> f64 {
+    FisherSnedecor::new(OF_AN_INCLUSION, TAILS).map_or(1.0, |distribution| distribution.sf(gain / OF_AN_INCLUSION))
+}
+
 /// Chance of a chi-square number as large.
 fn chance(square: f64, freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(1.0, |distribution| distribution.sf(square))
 }
 
-/// Changes of the frames by the power of each LED.
+/// Changes of the frames by the power of each LED; none where an LED is never lit alone.
 fn nuisances(
     leds: &Training,
     elements: &[[usize; 2]],
     weights: &[f64],
     of: impl Fn(&[f64], [usize; 2]) -> f64,
-) -> Vec<Nuisance> {
-    let count = leds.sweep.base.scene.led.len();
-    let mut sums = vec![vec![0.0; elements.len()]; count];
+) -> Option<Vec<Nuisance>> {
+    let powers = |scene: &LoadedScene| -> Option<Vec<f64>> { scene.scene.led.iter().map(|led| led.power_mw).collect() };
+    let own = powers(&leds.sweep.base)?;
+    // Mean light of each LED alone, at its power in the base scene.
+    let mut alone = vec![(0.0, vec![0.0; elements.len()]); own.len()];
     for (row, light) in leds.rows.iter().zip(&leds.light) {
-        let scene = leds.sweep.plan.point(*row).ok().and_then(|point| leds.sweep.scene(&point).ok());
-        let Some(scene) = scene else { continue };
-        let powers = scene.scene.led.iter().map(|led| led.power_mw.unwrap_or(0.0));
-        let Some((lit, power)) = powers.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-        sums[lit].iter_mut().zip(elements).for_each(|(sum, place)| *sum += of(light, *place) / power.max(1e-12));
+        let powers = powers(&leds.sweep.scene(&leds.sweep.plan.point(*row).ok()?).ok()?)?;
+        let (lit, power) = powers.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+        if *power < LIT_ALONE * powers.iter().sum::<f64>() {
+            return None;
+        }
+        let (count, sums) = alone.get_mut(lit)?;
+        *count += 1.0;
+        sums.iter_mut().zip(elements).for_each(|(sum, place)| *sum += of(light, *place) * own[lit] / power);
     }
-    let whole: Vec<f64> = (0..elements.len()).map(|i| sums.iter().map(|sum| sum[i]).sum()).collect();
-    let change = |sum: &Vec<f64>| -> Vec<f64> {
-        let shares = sum.iter().zip(&whole).map(|(sum, whole)| if *whole > 0.0 { sum / whole } else { 0.0 });
+    let means: Option<Vec<Vec<f64>>> = (alone.into_iter())
+        .map(|(count, sums)| (count > 0.0).then(|| sums.into_iter().map(|sum| sum / count).collect()))
+        .collect();
+    let means = means?;
+    let whole: Vec<f64> = (0..elements.len()).map(|i| means.iter().map(|mean| mean[i]).sum()).collect();
+    let change = |mean: &Vec<f64>| -> Vec<f64> {
+        let shares = mean.iter().zip(&whole).map(|(mean, whole)| if *whole > 0.0 { mean / whole } else { 0.0 });
         shares.zip(weights).map(|(share, weight)| LED_SPREAD * share * weight).collect()
     };
-    let named = |(k, sum): (usize, &Vec<f64>)| Nuisance { name: format!("led[{k}].power_mw"), change: change(sum) };
-    sums.iter().enumerate().map(named).collect()
+    let named = |(k, mean): (usize, &Vec<f64>)| Nuisance { name: format!("led[{k}].power_mw"), change: change(mean) };
+    Some(means.iter().enumerate().map(named).collect())
 }
 
 /// Extent of the sensor, mm, to a thousandth.

@@ -7,14 +7,18 @@ use crate::output::Records;
 use crate::sweep::{Format, Kept, Loads, Record, Sweep};
 use crate::vary::Vary;
 use rayon::prelude::*;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What a sweep's images hold.
 pub struct Training {
+    /// Its folder.
+    pub folder: PathBuf,
     /// The sweep.
     pub sweep: Sweep,
     /// What was drawn.
     pub unknowns: Vec<Unknown>,
+    /// Variables that the design draws, unknowns or not.
+    pub free: usize,
     /// Points: a coordinate of each unknown.
     pub points: Vec<Vec<f64>>,
     /// Row of each in the sweep.
@@ -71,7 +75,18 @@ impl Training {
         let rows = kept.iter().map(|(row, _)| *row).collect();
         let unknowns = drawn.into_iter().map(|(_, unknown)| unknown).collect();
         let light = images.into_iter().map(|loads| loads.into_iter().flat_map(|(means, _)| means).collect()).collect();
-        Ok(Self { unknowns, points, rows, depths_mm, blocks, light, errors, sweep })
+        Ok(Self {
+            folder: folder.to_path_buf(),
+            free: free.len(),
+            unknowns,
+            points,
+            rows,
+            depths_mm,
+            blocks,
+            light,
+            errors,
+            sweep,
+        })
     }
 }
 

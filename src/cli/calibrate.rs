@@ -49,6 +49,7 @@ impl Calibrate {
         std::fs::create_dir_all(&out).map_err(|error| failed(&error))?;
         let text = serde_json::to_string(&model).map_err(|error| failed(&error))?;
         let file = out.join(FILE);
+        FrameModel::parse(&text, &file)?;
         // There in whole or not at all.
         let partial = out.join(format!("{FILE}.partial"));
         std::fs::write(&partial, text + "\n").map_err(|error| failed(&error))?;

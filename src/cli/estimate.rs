@@ -8,7 +8,7 @@ use crate::estimate::{Calibration, Estimates, GreyImage, Settings, Threshold, es
 use crate::image_io::read_radiance;
 use crate::pages::images::{Measured, json, relative_stiffness, text};
 use crate::pipeline::view_of;
-use crate::scene::{Scene, open};
+use crate::scene::{LoadedScene, Scene, open};
 use crate::streams::Streams;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -40,7 +40,8 @@ pub(super) struct Estimate {
 impl Estimate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let model = self.reading.frame_model()?;
-        let camera = self.exposure.as_deref().map(open).transpose()?.map(|(loaded, _)| loaded.scene);
+        let exposure = self.exposure.as_deref().map(open).transpose()?.map(|(loaded, _)| loaded);
+        let camera = exposure.as_ref().map(|loaded| loaded.scene.clone());
         let calibration = match (self.reading.calibration()?, &camera) {
             (None, Some(scene)) => Some(Calibration {
                 mm_per_pixel: view_of(scene)?.mm_per_pixel(),
@@ -76,7 +77,7 @@ impl Estimate {
         };
         let measured = self.images.iter().map(measure).collect::<Result<Vec<_>, Failure>>()?;
         let inclusion = match &model {
-            Some(model) => self.inclusion(model, camera.as_ref())?,
+            Some(model) => self.inclusion(model, exposure.as_ref())?,
             None => Estimates::without_model(),
         };
         let relative = relative_stiffness(&measured, &settings, calibration.as_ref());
@@ -88,7 +89,7 @@ impl Estimate {
     }
 
     /// What all images together say of the inclusion.
-    fn inclusion(&self, model: &FrameModel, exposure: Option<&Scene>) -> Result<Estimates, Failure> {
+    fn inclusion(&self, model: &FrameModel, exposure: Option<&LoadedScene>) -> Result<Estimates, Failure> {
         if self.depths_mm.len() != self.images.len() {
             let message = format!(
                 "`--depths-mm` gives {} depths for {} images: each image needs the depth of its press",
@@ -97,9 +98,16 @@ impl Estimate {
             );
             return Err(Failure::usage(message));
         }
-        let frames = self.images.iter().map(|image| self.read(image, exposure)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(twice) = self.depths_mm.iter().enumerate().find(|(k, depth)| self.depths_mm[..*k].contains(depth)) {
+            return Err(Failure::usage(format!("`--depths-mm` gives {} twice", twice.1)));
+        }
+        if let Some(Err(why)) = exposure.map(|loaded| model.suits(loaded)) {
+            return Ok(Estimates::undefined(&format!("the calibration does not suit: {why}")));
+        }
+        let scene = exposure.map(|loaded| &loaded.scene);
+        let frames = self.images.iter().map(|image| self.read(image, scene)).collect::<Result<Vec<_>, _>>()?;
         let size = frames.first().map_or([0; 2], |frame| [frame.width() as u32, frame.height() as u32]);
-        let camera = match exposure {
+        let camera = match scene {
             Some(scene) => Some((scene.camera.clone(), scene.light.wavelength_nm)),
             None => model.camera(size),
         };

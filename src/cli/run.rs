@@ -43,13 +43,13 @@ pub(super) fn whole_job(
     folder: OutputFolder,
 ) -> Result<PathBuf, Failure> {
     let calibration = reading.image.calibration()?;
+    let model = reading.image.frame_model()?;
     let prepared = job.prepare()?;
     let scene = prepared.scene();
     let reference = match reading.subtract_baseline {
         true => Some(baseline(&mut job, &prepared, &folder)?),
         false => reading.reference(&scene.camera)?,
     };
-    let model = reading.image.frame_model()?;
     let (earlier, mut frames) = earlier_loads(&job, &prepared, &folder)?;
     let shot = job.shoot(&prepared)?;
     note_exposure(&shot.suited, scene.camera.sensor.exposure_ms, common.talk.quiet);

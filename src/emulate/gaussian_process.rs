@@ -21,6 +21,7 @@ use super::trend;
 use faer::linalg::solvers::{DenseSolveCore as _, Llt, Solve as _};
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
 
 /// Bounds of the logarithms of lengths, in units of half the width of the points' box; of the amplitude and of the
 /// noise, in units of the values' spread.
@@ -124,7 +125,7 @@ impl GaussianProcess {
         let known = Known::new(&process.points, values);
         let solved = known.most_likely()?;
         process.logs = solved.logs.clone();
-        (process.beta, process.weights) = (solved.beta.clone(), solved.weights.clone());
+        (process.beta, process.weights) = (solved.beta.clone(), solved.projected.clone());
         Ok(process)
     }
 
@@ -141,20 +142,6 @@ impl GaussianProcess {
         let near: f64 = self.points.iter().zip(&self.weights).map(|(p, w)| w * correlation(p, &place, &lengths)).sum();
         let trend: f64 = trend::monomials(&place).iter().zip(&self.beta).map(|(h, b)| h * b).sum();
         self.scale[0] + self.scale[1] * (trend + amplitude * amplitude * near)
-    }
-
-    /// The slope of the value at a place along each variable.
-    pub fn slope(&self, place: &[f64]) -> Vec<f64> {
-        let place = self.placed(place);
-        let (square, lengths) = (self.amplitude().powi(2), self.lengths());
-        let mut slope = trend::slope(&self.beta, &place);
-        for (point, weight) in self.points.iter().zip(&self.weights) {
-            let near = square * weight * correlation(point, &place, &lengths);
-            for (i, slope) in slope.iter_mut().enumerate() {
-                *slope += near * (point[i] - place[i]) / (lengths[i] * lengths[i]);
-            }
-        }
-        slope.iter().zip(&self.bounds).map(|(s, [low, high])| self.scale[1] * s * 2.0 / (high - low)).collect()
     }
 
     /// What remains to be known of the values: residuals of each, left out, and their variances, noise included.
@@ -184,9 +171,19 @@ impl GaussianProcess {
 
     /// Whether all its parts are there, for so many variables.
     pub fn is_whole(&self, variables: usize) -> bool {
-        let points = self.points.iter().all(|point| point.len() == variables);
+        let finite = |numbers: &[f64]| numbers.iter().all(|v| v.is_finite());
         let counts = [self.bounds.len(), self.logs.len(), self.beta.len(), self.weights.len()];
-        points && counts == [variables, variables + 2, trend::terms(variables), self.points.len()]
+        counts == [variables, variables + 2, trend::terms(variables), self.points.len()]
+            && !self.points.is_empty()
+            && self.points.iter().all(|point| point.len() == variables && finite(point))
+            && self.bounds.iter().all(|[low, high]| finite(&[*low, *high]) && low < high)
+            && self
+                .logs
+                .iter()
+                .enumerate()
+                .all(|(k, log)| (bounds(k, variables)[0]..=bounds(k, variables)[1]).contains(log))
+            && [&self.beta, &self.weights].iter().all(|numbers| finite(numbers))
+            && finite(&self.scale)
     }
 
     /// Standard deviation of the noise of a value.
@@ -231,6 +228,15 @@ impl Variances<'_> {
     }
 }
 
+/// Bounds of the k-th logarithm where there are so many variables.
+fn bounds(k: usize, variables: usize) -> [f64; 2] {
+    match k.cmp(&variables) {
+        Ordering::Less => LENGTH,
+        Ordering::Equal => AMPLITUDE,
+        Ordering::Greater => NOISE,
+    }
+}
+
 fn off_length(log: f64) -> f64 {
     (log - KNOWN_LENGTH[0]) / KNOWN_LENGTH[1]
 }
@@ -259,7 +265,6 @@ struct Solved {
     /// P y.
     projected: Vec<f64>,
     beta: Vec<f64>,
-    weights: Vec<f64>,
     /// a^2 times the correlations.
     covariance: Mat<f64>,
 }
@@ -314,7 +319,6 @@ impl<'a> Known<'a> {
             shared,
             trend,
             projection,
-            weights: column(&projected),
             projected: column(&projected),
             beta: column(&beta),
             covariance,
@@ -366,11 +370,6 @@ impl<'a> Known<'a> {
     /// Lengths, amplitude and noise of the greatest restricted likelihood, by damped steps within their bounds.
     fn most_likely(&self) -> Result<Solved, FitError> {
         let d = self.variables();
-        let bounds = |k: usize| match k {
-            _ if k < d => LENGTH,
-            _ if k == d => AMPLITUDE,
-            _ => NOISE,
-        };
         let start: Vec<f64> = (0..d + 2).map(|k| START[(k + 1).saturating_sub(d)]).collect();
         let mut best = self.solve(&start).ok_or(FitError::Degenerate)?;
         let mut damping = 1e-2;
@@ -378,7 +377,7 @@ impl<'a> Known<'a> {
             let (slope, information) = self.slopes(&best);
             // What lies at a bound and would leave stays there.
             let held = |k: usize| {
-                let [low, high] = bounds(k);
+                let [low, high] = bounds(k, d);
                 (best.logs[k] <= low && slope[k] > 0.0) || (best.logs[k] >= high && slope[k] < 0.0)
             };
             let mut rise = 0.0;
@@ -395,7 +394,7 @@ impl<'a> Known<'a> {
                     let longest = (0..d + 2).map(|k| step[(k, 0)].abs()).fold(0.0, f64::max);
                     let shorter = (1.5 / longest.max(1e-300)).min(1.0);
                     let logs: Vec<f64> = (0..d + 2)
-                        .map(|k| (best.logs[k] + shorter * step[(k, 0)]).clamp(bounds(k)[0], bounds(k)[1]))
+                        .map(|k| (best.logs[k] + shorter * step[(k, 0)]).clamp(bounds(k, d)[0], bounds(k, d)[1]))
                         .collect();
                     self.solve(&logs)
                 });

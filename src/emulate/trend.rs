@@ -15,18 +15,3 @@ pub(super) fn monomials(place: &[f64]) -> Vec<f64> {
     }
     all
 }
-
-/// The slope of a sum of monomials with these coefficients at a place, along each variable.
-pub(super) fn slope(coefficients: &[f64], place: &[f64]) -> Vec<f64> {
-    let d = place.len();
-    let mut slope: Vec<f64> = coefficients.iter().skip(1).take(d).copied().collect();
-    let mut quadratic = coefficients.iter().skip(1 + d);
-    for i in 0..d {
-        for j in i..d {
-            let c = quadratic.next().copied().unwrap_or(0.0);
-            slope[i] += c * place[j];
-            slope[j] += c * place[i];
-        }
-    }
-    slope
-}

@@ -161,7 +161,12 @@ impl Learnt {
         let nuisances = self.nuisances.iter().map(|nuisance| &nuisance.change);
         let ends = [&self.weights, &self.mean].into_iter();
         let mut vectors = ends.chain(&self.directions).chain(&self.noise).chain(nuisances);
-        vectors.all(|vector| vector.len() == length) && self.scored.is_whole(self.directions.len())
+        let finite = |vector: &&Vec<f64>| vector.len() == length && vector.iter().all(|v| v.is_finite());
+        vectors.all(|vector| finite(&vector))
+            && self.weights.iter().all(|weight| *weight > 0.0)
+            && self.rest >= 0.0
+            && !self.directions.is_empty()
+            && self.scored.is_whole(self.directions.len())
     }
 }
 
@@ -174,7 +179,10 @@ impl Scored {
     /// Whether it has so many scores, all of its unknowns.
     pub fn is_whole(&self, scores: usize) -> bool {
         let is_whole = |process: &GaussianProcess| process.is_whole(self.unknowns.len());
-        [self.processes.len(), self.variances.len()] == [scores; 2] && self.processes.iter().all(is_whole)
+        [self.processes.len(), self.variances.len()] == [scores; 2]
+            && self.processes.iter().all(is_whole)
+            && self.variances.iter().all(|variance| *variance >= 0.0)
+            && self.unknowns.iter().all(|unknown| unknown.prior.is_whole())
     }
 }
 

@@ -12,7 +12,7 @@ mod unknown;
 
 pub use crate::emulate::FitError;
 pub use learnt::{Learnt, Nuisance, Scored};
-pub use posterior::Posterior;
+pub use posterior::{Posterior, TAILS};
 pub use seen::{Seen, Told};
 pub use unknown::{Prior, Unknown};
 

@@ -23,8 +23,9 @@ const SETTLING: usize = 150;
 const KEPT: usize = 250;
 /// Every how many steps walkers are kept.
 const EACH: usize = 5;
-/// Degrees of freedom of the tails, and what the covariance is widened by.
-const TAILS: f64 = 6.0;
+/// Degrees of freedom of the scores' tails.
+pub const TAILS: f64 = 6.0;
+/// What the covariance is widened by.
 const WIDENED: f64 = 1.4;
 
 /// What is known of the unknowns after frames were seen.
@@ -32,10 +33,10 @@ const WIDENED: f64 = 1.4;
 pub struct Posterior {
     /// Draws: a value for each unknown.
     pub draws: Vec<Vec<f64>>,
-    /// The most likely values, and what is left of the scores there: sum of squares and degrees of freedom.
-    pub best: Vec<f64>,
-    /// Sum of squares of the scores at the best in units of their errors, and its degrees of freedom.
-    pub misfit: [f64; 2],
+    /// Sum of squares of the scores at the best place, in units of their errors.
+    pub misfit: f64,
+    /// The scores there.
+    pub scores: Vec<f64>,
 }
 
 impl Scored {
@@ -84,12 +85,10 @@ impl Scored {
                 draws.extend(ensemble.walkers.iter().map(|(place, _)| self.values(place)));
             }
         }
-        let prior: f64 = self.unknowns.iter().zip(&top.1).map(|(one, x)| one.prior.log_density(*x)).sum();
-        let freedom = self.processes.len() as f64 - self.unknowns.len() as f64;
         // The sum of squares whose tail has this density.
         let tails = TAILS + self.processes.len() as f64;
-        let square = TAILS * (2.0 * (prior - top.0) / tails).exp_m1();
-        Ok(Posterior { draws, best: self.values(&top.1), misfit: [square, freedom] })
+        let misfit = TAILS * (-2.0 * top.0 / tails).exp_m1();
+        Ok(Posterior { draws, misfit, scores: self.at(&top.1) })
     }
 
     /// Values of the unknowns of a place.
@@ -104,9 +103,8 @@ impl Scored {
             Mat::from_fn(k, k, |i, j| WIDENED * (told.covariance[(i, j)] + if i == j { variances[i] } else { 0.0 }));
         let inverse = Llt::new(whole.as_ref(), Side::Lower).map_err(|_| FitError::Degenerate)?.inverse();
         Ok(move |place: &[f64]| {
-            let prior: f64 = self.unknowns.iter().zip(place).map(|(one, x)| one.prior.log_density(*x)).sum();
-            if prior == f64::NEG_INFINITY {
-                return prior;
+            if self.unknowns.iter().zip(place).any(|(one, x)| !one.prior.holds(*x)) {
+                return f64::NEG_INFINITY;
             }
             let off: Vec<f64> = told.scores.iter().zip(self.at(place)).map(|(told, s)| told - s).collect();
             let mut square = 0.0;
@@ -115,7 +113,7 @@ impl Scored {
                     square += off[i] * inverse[(i, j)] * off[j];
                 }
             }
-            prior - 0.5 * (TAILS + k as f64) * (square / TAILS).ln_1p()
+            -0.5 * (TAILS + k as f64) * (square / TAILS).ln_1p()
         })
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! The light's noise is that of the training images times a factor: what lies beyond Phi and the nuisances tells it.
 //! Generalised least squares would have smaller errors if C were known; it is learnt from as many images as it has
-//! elements to the power of a half, and took its own word: intervals of 95 % held 50.
+//! elements to the power of a half, and took its own word (docs/decisions/inference.md).
 
 use super::learnt::Learnt;
 use faer::linalg::solvers::{DenseSolveCore as _, Llt};
@@ -39,15 +39,13 @@ pub struct Told {
 impl Learnt {
     /// Scores of seen frames; none where too few elements can be used.
     pub fn told(&self, seen: &Seen) -> Option<Told> {
-        let used: Vec<usize> =
-            (0..self.mean.len()).filter(|&i| seen.values.get(i).is_some_and(Option::is_some)).collect();
+        let used = self.used(seen);
         if used.len() < LEAST_ELEMENTS * (self.directions.len() + self.nuisances.len()) {
             return None;
         }
         let n = used.len();
         let columns = |of: &[Vec<f64>]| Mat::from_fn(n, of.len(), |k, j| of[j][used[k]]);
-        let value = |i: usize| seen.values[i].unwrap_or_default() * self.weights[i] - self.mean[i];
-        let values = Mat::from_fn(n, 1, |k, _| value(used[k]));
+        let values = Mat::from_fn(n, 1, |k, _| self.value(seen, used[k]));
         let camera: Vec<f64> = used.iter().map(|&i| seen.variances[i] * self.weights[i].powi(2)).collect();
         let (directions, noise) = (columns(&self.directions), columns(&self.noise));
         let changes: Vec<Vec<f64>> = self.nuisances.iter().map(|nuisance| nuisance.change.clone()).collect();
@@ -77,6 +75,29 @@ impl Learnt {
         let covariance = &own * own.transpose() + through(&noise) * faer::Scale(noise_factor) + through(&nuisances);
         let scores = &fit * &values;
         Some(Told { scores: (0..scores.nrows()).map(|k| scores[(k, 0)]).collect(), covariance, noise_factor })
+    }
+
+    /// How far each nuisance is off, in its standard deviations, where the scores are these.
+    pub fn off(&self, seen: &Seen, scores: &[f64]) -> Option<Vec<f64>> {
+        let used = self.used(seen);
+        let left = |i: usize| {
+            let told: f64 = self.directions.iter().zip(scores).map(|(direction, score)| direction[i] * score).sum();
+            self.value(seen, i) - told
+        };
+        let left = Mat::from_fn(used.len(), 1, |k, _| left(used[k]));
+        let changes = Mat::from_fn(used.len(), self.nuisances.len(), |k, j| self.nuisances[j].change[used[k]]);
+        let off = left_inverse(&changes)? * left;
+        Some((0..off.nrows()).map(|j| off[(j, 0)]).collect())
+    }
+
+    /// Elements that can be used.
+    fn used(&self, seen: &Seen) -> Vec<usize> {
+        (0..self.mean.len()).filter(|&i| seen.values.get(i).is_some_and(Option::is_some)).collect()
+    }
+
+    /// An element, weighted, less its mean.
+    fn value(&self, seen: &Seen, i: usize) -> f64 {
+        seen.values.get(i).copied().flatten().unwrap_or_default() * self.weights[i] - self.mean[i]
     }
 }
 

@@ -29,24 +29,13 @@ pub enum Prior {
         /// The higher.
         high: f64,
     },
-    /// Normal between two numbers.
-    Normal {
-        /// Mean, before it is cut.
-        mean: f64,
-        /// Standard deviation, before it is cut.
-        sd: f64,
-        /// The lower bound.
-        low: f64,
-        /// The higher bound.
-        high: f64,
-    },
 }
 
 impl Prior {
     /// The bounds, in the coordinate.
     pub fn bounds(&self) -> [f64; 2] {
         match *self {
-            Self::Uniform { low, high } | Self::Normal { low, high, .. } => [low, high],
+            Self::Uniform { low, high } => [low, high],
             Self::LogUniform { low, high } => [low.ln(), high.ln()],
         }
     }
@@ -55,7 +44,7 @@ impl Prior {
     pub fn coordinate(&self, value: f64) -> f64 {
         match self {
             Self::LogUniform { .. } => value.ln(),
-            Self::Uniform { .. } | Self::Normal { .. } => value,
+            Self::Uniform { .. } => value,
         }
     }
 
@@ -63,19 +52,19 @@ impl Prior {
     pub fn value(&self, coordinate: f64) -> f64 {
         match self {
             Self::LogUniform { .. } => coordinate.exp(),
-            Self::Uniform { .. } | Self::Normal { .. } => coordinate,
+            Self::Uniform { .. } => coordinate,
         }
     }
 
-    /// Logarithm of the density in the coordinate, but for a constant; minus infinity beyond the bounds.
-    pub fn log_density(&self, coordinate: f64) -> f64 {
+    /// Whether a coordinate lies within the bounds, where all are as likely.
+    pub fn holds(&self, coordinate: f64) -> bool {
         let [low, high] = self.bounds();
-        if !(low..=high).contains(&coordinate) {
-            return f64::NEG_INFINITY;
-        }
-        match *self {
-            Self::Normal { mean, sd, .. } => -0.5 * ((coordinate - mean) / sd).powi(2),
-            Self::Uniform { .. } | Self::LogUniform { .. } => 0.0,
-        }
+        (low..=high).contains(&coordinate)
+    }
+
+    /// Whether its bounds are numbers, and have a width.
+    pub fn is_whole(&self) -> bool {
+        let [low, high] = self.bounds();
+        low.is_finite() && high.is_finite() && low < high
     }
 }
