@@ -6,10 +6,12 @@
 //! size, depth and modulus of the inclusion with intervals, all else integrated away, or "undefined" with the reason.
 
 mod blocks;
+mod estimates;
 mod file;
 mod frames;
 mod model;
 mod ready;
+mod suits;
 mod training;
 
 pub use blocks::Blocks;

@@ -6,7 +6,7 @@
 //! light may be as noisy, less or more, by one factor.
 
 use super::unknown::Unknown;
-use crate::emulate::{Components, FitError, GaussianProcess};
+use crate::emulate::{Components, FitError, GaussianProcess, Predicted};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -110,8 +110,7 @@ impl Learnt {
                 let change = process.noise() * left.value / left.variance.sqrt() - score;
                 residual.iter_mut().zip(&direction).for_each(|(r, d)| *r += change * d);
             }
-            let own = left_out.iter().map(|left| left.variance).sum::<f64>() / n as f64;
-            learnt.scored.variances.push((own - process.noise().powi(2)).max(0.0));
+            learnt.scored.variances.push(of_prediction(&process, &left_out));
             learnt.directions.push(direction);
             learnt.scored.processes.push(process);
         }
@@ -149,8 +148,7 @@ impl Learnt {
             let scores: Vec<f64> = vectors.iter().map(|vector| score(vector, direction)).collect();
             let process = GaussianProcess::fit(points, &scores)?;
             let left_out = process.left_out(&scores)?;
-            let own = left_out.iter().map(|left| left.variance).sum::<f64>() / points.len() as f64;
-            Ok(((own - process.noise().powi(2)).max(0.0), process))
+            Ok((of_prediction(&process, &left_out), process))
         });
         let (variances, processes) = processes.collect::<Result<Vec<_>, FitError>>()?.into_iter().unzip();
         Ok(Scored { unknowns, processes, variances })
@@ -184,6 +182,12 @@ impl Scored {
             && self.variances.iter().all(|variance| *variance >= 0.0)
             && self.unknowns.iter().all(|unknown| unknown.prior.is_whole())
     }
+}
+
+/// Mean variance of a predicted score: what is left of that of a value left out, less its noise.
+fn of_prediction(process: &GaussianProcess, left_out: &[Predicted]) -> f64 {
+    let mean = left_out.iter().map(|left| left.variance).sum::<f64>() / left_out.len().max(1) as f64;
+    (mean - process.noise().powi(2)).max(0.0)
 }
 
 /// Numbers of five digits: a file of all would be three times as long, and say no more.

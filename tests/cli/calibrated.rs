@@ -1,6 +1,7 @@
 //! Size, depth and modulus of an inclusion by the calibration that comes with the program.
 
 use super::*;
+use tirtouch::image_io::{read_grey, write_png_grey};
 
 const CALIBRATION: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/calibrations/phantoms.json");
 
@@ -36,6 +37,24 @@ fn a_phantom_is_estimated_and_its_frames_say_the_same_from_anywhere() {
     let other = json(&of_images(&["--depths-mm", "1.5,2.5,5"]));
     assert!(other["estimates"]["size_mm"]["undefined"].as_str().unwrap().contains("1, 2, 4 mm deep"), "{other}");
     assert_eq!(code(&of_images(&["--depths-mm", "1,2"])), 2);
+
+    // The same frames half as bright, and as levels of 16 bits: neither is read as a phantom.
+    let other = |name: &str, bits: u32, level: fn(f64) -> f64| {
+        let changed = images.each_ref().map(|image| {
+            let frame = read_grey(Path::new(image)).unwrap();
+            let levels: Vec<u16> = frame.values.iter().map(|grey| level(*grey).round() as u16).collect();
+            let file = place.path().join(format!("{name}-{}", Path::new(image).file_name().unwrap().to_str().unwrap()));
+            write_png_grey(&file, 348, 261, &levels, bits).unwrap();
+            shown(file)
+        });
+        let changed = changed.each_ref().map(String::as_str);
+        let asked = [&["estimate", "--json", "--calibration", CALIBRATION][..], &changed, &["--depths-mm", "1,2,4"]];
+        json(&tirtouch_in(place.path(), &asked.concat()))["estimates"].clone()
+    };
+    let dim = other("dim", 8, |grey| 0.5 * grey);
+    assert!(dim["detected"]["undefined"].is_string() && dim["size_mm"]["undefined"].is_string(), "{dim}");
+    let deep = other("deep", 16, |grey| 257.0 * grey);
+    assert!(deep["detected"]["undefined"].as_str().unwrap().contains("65535"), "{deep}");
 
     // The same phantom without its inclusion: none is found.
     let none = run("preset:phantom-size-8mm", &["--without-inclusions", "-o", "none"]);

@@ -1,0 +1,102 @@
+//! Whether a calibration suits a scene.
+
+use super::FrameModel;
+use super::estimates::short;
+use super::model::Role;
+use crate::scene::LoadedScene;
+use crate::vary::{KeyPath, Scalar};
+
+impl FrameModel {
+    /// Whether frames of a scene are those of this sensor, with phantoms of this kind.
+    ///
+    /// # Errors
+    /// Says what differs.
+    pub fn suits(&self, loaded: &LoadedScene) -> Result<(), String> {
+        let (ours, theirs) = (self.bare(&self.scene)?, self.bare(&loaded.text)?);
+        if let Some(key) = difference(&ours, &theirs, "") {
+            return Err(format!("it was learnt of a scene with another {key}"));
+        }
+        // What an inclusion is like is what is asked; all else that varied must be within what was learnt.
+        let scene = serde_json::to_value(&loaded.scene).map_err(|error| error.to_string())?;
+        let at = |key: &str| scene.pointer(&format!("/{}", key.replace(['.', '['], "/").replace(']', "")))?.as_f64();
+        let others = self.learnt.scored.unknowns.iter().zip(&self.keys).zip(&self.roles);
+        let others = others.filter(|(_, role)| **role == Role::Other);
+        let mut outside =
+            others.flat_map(|((one, keys), _)| keys.iter().map(move |key| (one, key))).filter_map(|(one, key)| {
+                let [low, high] = one.prior.bounds().map(|end| one.prior.value(end));
+                let value = at(key).filter(|value| !(low..=high).contains(value))?;
+                Some(format!("it was learnt of {key} from {} to {}, the scene has {value}", short(low), short(high)))
+            });
+        outside.next().map_or(Ok(()), Err)
+    }
+
+    /// A scene's text without what may differ.
+    fn bare(&self, text: &str) -> Result<toml::Value, String> {
+        let document = text.parse::<toml_edit::DocumentMut>();
+        let mut document = document.map_err(|error| error.to_string())?;
+        for key in self.keys.iter().flatten() {
+            let path = key.parse::<KeyPath>()?;
+            path.set(document.as_item_mut(), &Scalar::Number(1.0))?;
+        }
+        let table = document.to_string().parse::<toml::Table>().map_err(|error| error.to_string())?;
+        let mut value = toml::Value::Table(table);
+        let sensor_mm = sensor_mm(&value);
+        for key in ["name", "description", "render"] {
+            remove(&mut value, &[key]);
+        }
+        for key in ["depths_mm", "estimate_error", "resolution"] {
+            remove(&mut value, &["press", key]);
+        }
+        for key in ["pixels", "pixel_pitch_um", "sensor"] {
+            remove(&mut value, &["camera", key]);
+        }
+        if let Some(camera) = value.get_mut("camera").and_then(toml::Value::as_table_mut) {
+            camera.insert("pixels times pixel_pitch_um".into(), toml::Value::Array(sensor_mm));
+        }
+        Ok(value)
+    }
+}
+
+/// Extent of the sensor, mm, to a thousandth.
+fn sensor_mm(scene: &toml::Value) -> Vec<toml::Value> {
+    let camera = scene.get("camera");
+    let pitch = camera.and_then(|camera| camera.get("pixel_pitch_um")).and_then(number).unwrap_or(0.0);
+    let pixels = camera.and_then(|camera| camera.get("pixels")).and_then(toml::Value::as_array);
+    let extent = |pixels: &toml::Value| (number(pixels).unwrap_or(0.0) * pitch).round() * 1e-3;
+    pixels.into_iter().flatten().map(|pixels| toml::Value::Float(extent(pixels))).collect()
+}
+
+fn number(value: &toml::Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|v| v as f64))
+}
+
+fn remove(value: &mut toml::Value, path: &[&str]) {
+    if let ([last], Some(table)) = (path, value.as_table_mut()) {
+        table.remove(*last);
+    } else if let [first, rest @ ..] = path
+        && let Some(inner) = value.get_mut(*first)
+    {
+        remove(inner, rest);
+    }
+}
+
+/// The first key that differs.
+fn difference(a: &toml::Value, b: &toml::Value, at: &str) -> Option<String> {
+    match (a, b) {
+        (toml::Value::Table(a), toml::Value::Table(b)) => {
+            let keys = a.keys().chain(b.keys().filter(|key| !a.contains_key(*key)));
+            let inner = |key: &String| if at.is_empty() { key.clone() } else { format!("{at}.{key}") };
+            let mut keys = keys.filter_map(|key| match (a.get(key), b.get(key)) {
+                (Some(a), Some(b)) => difference(a, b, &inner(key)),
+                _ => Some(inner(key)),
+            });
+            keys.next()
+        }
+        (toml::Value::Array(a), toml::Value::Array(b)) if a.len() == b.len() => {
+            let mut inner = a.iter().zip(b).enumerate();
+            inner.find_map(|(k, (a, b))| difference(a, b, &format!("{at}[{k}]")))
+        }
+        (a, b) if number(a).is_some() && number(a) == number(b) => None,
+        (a, b) => (a != b).then(|| at.to_owned()),
+    }
+}
