@@ -19,7 +19,8 @@
 
 use super::trend;
 use faer::linalg::solvers::{DenseSolveCore as _, Llt, Solve as _};
-use faer::{Mat, Side};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Mat, Par, Side};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
@@ -166,7 +167,7 @@ impl GaussianProcess {
     pub fn variances(&self) -> Result<Variances<'_>, FitError> {
         let known = Known::new(&self.points, vec![0.0; self.points.len()]);
         let solved = known.solve(&self.logs).ok_or(FitError::Degenerate)?;
-        Ok(Variances { process: self, inverse: solved.inverse, shared: solved.shared, trend: solved.trend })
+        Ok(Variances { process: self, factor: solved.factor, shared: solved.shared, trend: solved.trend })
     }
 
     /// Whether all its parts are there, for so many variables.
@@ -204,8 +205,8 @@ impl GaussianProcess {
 /// Variances of the predictions of one process.
 pub struct Variances<'a> {
     process: &'a GaussianProcess,
-    /// C^-1.
-    inverse: Mat<f64>,
+    /// Of C.
+    factor: Llt<f64>,
     /// C^-1 H.
     shared: Mat<f64>,
     /// (H' C^-1 H)^-1.
@@ -221,10 +222,13 @@ impl Variances<'_> {
         let n = process.points.len();
         let near = Mat::from_fn(n, 1, |k, _| square * correlation(&process.points[k], &place, &lengths));
         let monomials = trend::monomials(&place);
-        let known = near.transpose() * &self.inverse * &near;
+        // By the factor: the inverse loses digits where the noise is small, and all of them where it is very small.
+        let mut known = near.clone();
+        solve_lower_triangular_in_place(self.factor.L(), known.as_mut(), Par::Seq);
+        let known = known.transpose() * &known;
         let beyond = Mat::from_fn(monomials.len(), 1, |k, _| monomials[k]) - self.shared.transpose() * &near;
         let trend = beyond.transpose() * &self.trend * &beyond;
-        process.scale[1].powi(2) * (square - known[(0, 0)] + trend[(0, 0)]).max(0.0)
+        process.scale[1].powi(2) * (square - known[(0, 0)] + trend[(0, 0)]).max(n as f64 * f64::EPSILON * square)
     }
 }
 
@@ -258,7 +262,7 @@ struct Solved {
     logs: Vec<f64>,
     /// Minus the logarithm of the restricted likelihood, but for a constant.
     unlikely: f64,
-    inverse: Mat<f64>,
+    factor: Llt<f64>,
     shared: Mat<f64>,
     trend: Mat<f64>,
     projection: Mat<f64>,
@@ -298,7 +302,7 @@ impl<'a> Known<'a> {
         let whole = Mat::from_fn(n, n, |i, j| covariance[(i, j)] + if i == j { noise } else { 0.0 });
         let factor = Llt::new(whole.as_ref(), Side::Lower).ok()?;
         let inverse = factor.inverse();
-        let shared = &inverse * &self.trend;
+        let shared = factor.solve(&self.trend);
         let normal = self.trend.transpose() * &shared;
         let of_trend = Llt::new(normal.as_ref(), Side::Lower).ok()?;
         let log_determinant = |factor: &Llt<f64>, n: usize| (0..n).map(|k| factor.L()[(k, k)].ln()).sum::<f64>();
@@ -315,7 +319,7 @@ impl<'a> Known<'a> {
         unlikely.is_finite().then(|| Solved {
             logs: logs.to_vec(),
             unlikely,
-            inverse,
+            factor,
             shared,
             trend,
             projection,
