@@ -15,7 +15,7 @@ use statistics::{Estimate, Replicates, block_means};
 use std::path::PathBuf;
 use tirtouch::pipeline::model_of;
 use tirtouch::scene::{LoadedScene, preset};
-use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
+use tirtouch::trace::batch::{Batch, Work};
 use tirtouch::trace::exitance::{Smoothing, TouchedFace};
 use tirtouch::trace::render::REPLICATES;
 use tirtouch::trace::{BackendChoice, Devices, Method, Model, Precision};
@@ -88,8 +88,7 @@ fn measure(case: &Case, method: Method, texel_mm: f64, rounds: u32, raw: bool) -
         work.photons,
         backend.adapter()
     );
-    let (pacer, totals) = (Pacer::default(), Totals::default());
-    let mut batch = Batch { model: &model, backend: &mut backend, method, seed: 1, pacer, totals };
+    let mut batch = Batch::new(&model, &mut backend, method, 1);
     let mut out = Rounds::default();
     let face = TouchedFace::new(&model);
     let mut smoothing = Smoothing::default();

@@ -6,7 +6,7 @@ use tirtouch::film::{BlockAccumulator, Film};
 use tirtouch::pipeline::{Order, Session};
 use tirtouch::progress::Observer;
 use tirtouch::scene::preset;
-use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
+use tirtouch::trace::batch::{Batch, Work};
 use tirtouch::trace::exitance::TouchedFace;
 use tirtouch::trace::render::REPLICATES;
 use tirtouch::trace::{Backend, BackendChoice, Devices, Method, Model, Precision};
@@ -86,8 +86,8 @@ impl Films {
 
 /// The replicates of one film, as `render` makes them, without their ledger.
 fn render(model: &Model<f64>, backend: &mut Backend, case: &Case, seed: u32, spp: u32) -> Result<Vec<Vec<f32>>> {
-    let (method, pacer, totals) = (case.method, Pacer::default(), Totals::default());
-    let mut batch = Batch { model, backend, method, seed, pacer, totals };
+    let method = case.method;
+    let mut batch = Batch::new(model, backend, method, seed);
     let work = Work { spp: spp.div_ceil(REPLICATES), photons: case.photons.div_ceil(REPLICATES.into()) };
     let go_on: &mut Observer = &mut |_| true;
     let images: Vec<Vec<f64>> = if method == Method::Map {

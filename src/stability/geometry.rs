@@ -6,7 +6,7 @@ use super::tracer::{Finish, Start, Tracer};
 use super::watch::{Seen, direction};
 use super::{Context, StabilityError, creeping};
 use crate::scene::{Walls, preset, validate};
-use crate::trace::batch::{Batch, Pacer, Totals};
+use crate::trace::batch::{Batch, Totals};
 use crate::trace::cpu::{End, Limits, Path, book};
 use crate::trace::render::accepted;
 use crate::trace::{Method, Model, TraceError};
@@ -125,9 +125,7 @@ pub fn ledgers(context: &Context, tracer: &Tracer) -> Result<Vec<Row>, Stability
     let (mut lost, mut residual, mut cut) = (0.0f64, 0.0f64, 0.0f64);
     for scene in &scenes {
         let mut backend = tracer.open(&scene.model)?;
-        let (pacer, totals) = (Pacer::default(), Totals::default());
-        let mut batch =
-            Batch { model: &scene.model, backend: &mut backend, method: Method::Path, seed: 7, pacer, totals };
+        let mut batch = Batch::new(&scene.model, &mut backend, Method::Path, 7);
         batch.ledger(photons, &mut |_| true)?;
         let ledger = batch.totals.ledger();
         lost = lost.max(batch.totals.lost() as f64 / batch.totals.photons.max(1) as f64);

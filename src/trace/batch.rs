@@ -149,7 +149,12 @@ pub struct Batch<'a> {
     pub totals: Totals,
 }
 
-impl Batch<'_> {
+impl<'a> Batch<'a> {
+    /// Nothing computed yet; `backend` holds the model.
+    pub fn new(model: &'a Model<f64>, backend: &'a mut Backend, method: Method, seed: u32) -> Self {
+        Self { model, backend, method, seed, pacer: Pacer::default(), totals: Totals::default() }
+    }
+
     /// Computes replicate `index`: radiance in W/(m^2 sr), row-major.
     ///
     /// # Errors

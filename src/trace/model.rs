@@ -28,6 +28,8 @@ pub enum Spare {
     Astray,
     /// Photons for light that unfolding finds.
     Direct,
+    /// Photons for mirror images of others.
+    MirrorImages,
 }
 
 /// Side walls.

@@ -5,7 +5,7 @@
 //! Within a replicate sums are 64-bit fixed point, so they do not depend on the order of the work.
 
 use super::backend::{Backend, Devices};
-use super::batch::{Batch, Pacer, Times, Totals, Work};
+use super::batch::{Batch, Times, Totals, Work};
 use super::error::TraceError;
 use super::exitance::{Smoothing, TouchedFace};
 use super::kernel::Kernel;
@@ -116,6 +116,8 @@ pub struct Outcome {
     pub ledger_photons: u64,
     /// How the photons' maps were smoothed, where there are any.
     pub smoothing: Option<Smoothing>,
+    /// Mirror images for which a photon of the map stands, its own place among them.
+    pub mirror_images: usize,
     /// Segments of both, without those of a ledger traced on its own.
     pub segments: u64,
     /// Camera paths per pixel.
@@ -233,14 +235,7 @@ pub fn render_on(
     let kernel = Kernel::of(model);
     let plan = Plan::choose(settings.integrator, &kernel)?;
     let start = Instant::now();
-    let mut batch = Batch {
-        model,
-        backend,
-        method: plan.method,
-        seed: settings.seed,
-        pacer: Pacer::default(),
-        totals: Totals::default(),
-    };
+    let mut batch = Batch::new(model, backend, plan.method, settings.seed);
     let pixels = pixels(model);
     let spp = (settings.spp / REPLICATES).clamp(1, REPLICATE_PATHS);
     let mut replicates = settings.spp.div_ceil(spp).max(REPLICATES);
@@ -340,7 +335,8 @@ pub fn render_on(
         paths: totals.paths,
         photons,
         ledger_photons: totals.photons,
-        smoothing: gather.map(|gather| gather.smoothing),
+        smoothing: gather.as_ref().map(|gather| gather.smoothing),
+        mirror_images: gather.as_ref().map_or(1, |gather| gather.face.mirror_images()),
         segments,
         spp,
         film,

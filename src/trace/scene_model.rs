@@ -1,7 +1,9 @@
 //! From a validated scene to the tracer's model.
 
 use super::constants::Finish;
-use super::model::{Camera, CapShape, Deformation, Face, FieldShape, Heights, Layer, MeshShape, Model, Tissue, Walls};
+use super::model::{
+    Camera, CapShape, Deformation, Face, FieldShape, Heights, Layer, MeshShape, Model, Spare, Tissue, Walls,
+};
 use super::scatter::Scatter;
 use super::{leds, unfold};
 use crate::optics::{fresnel, tissue};
@@ -54,7 +56,7 @@ impl Model<f64> {
             power: lit.power,
             aimed_share,
             unfolded: 0,
-            spare: Vec::new(),
+            spare: if scene.render.symmetry { Vec::new() } else { vec![Spare::MirrorImages] },
         };
         model.unfolded = unfold::reflections(&model);
         Ok(model)

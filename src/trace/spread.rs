@@ -6,6 +6,10 @@
 //! convolution, Phi what enters. Where tissue is a half space, Phi and B are two numbers, what leaves towards the map's
 //! two directions (`scatter.rs`): a is in Phi and in rho, which then mixes both. Photons could draw each such step; the
 //! convolution, by Fourier transforms, adds no noise and takes most of what Phi has (docs/decisions/spreading.md).
+//!
+//! B is a series. Half of the largest rho, m, is the same everywhere and is summed by the transform itself: with G = a p
+//! / (1 - m a p), B = G * (Phi + (rho - m) B), whose terms fall twice as fast; beyond the map, too, -m is taken off. In
+//! f32, of light over its largest: camera paths read the map so.
 
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
@@ -25,12 +29,11 @@ pub struct Spread {
     rows: usize,
     /// Size of the padded grid.
     size: [usize; 2],
-    /// Spectrum of albedo times profile times the area of a texel, over the number of cells; real, since the profile is
-    /// even.
-    spectrum: Vec<f64>,
-    /// What the boundary mirrors back into the tissue of the two maps, rows `[to][from]`; 0 where there is none.
-    reentry: Vec<[[f64; 2]; 2]>,
-    plans: [[Arc<dyn Fft<f64>>; 2]; 2],
+    /// Spectrum of G, with the area of a texel, over the number of cells; real, since the profile is even.
+    spectrum: Vec<f32>,
+    /// What the boundary mirrors back into the tissue of the two maps beyond m, rows `[to][from]`; of the padded grid.
+    reentry: Vec<[[f32; 2]; 2]>,
+    plans: [[Arc<dyn Fft<f32>>; 2]; 2],
 }
 
 impl Spread {
@@ -45,53 +48,72 @@ impl Spread {
         let plans = [true, false].map(|forward| {
             size.map(|n| if forward { planner.plan_fft_forward(n) } else { planner.plan_fft_inverse(n) })
         });
+        let largest = reentry.iter().flatten().map(|[one, other]| one.abs() + other.abs()).fold(0.0, f64::max);
+        let everywhere = 0.5 * largest;
+        let beyond = |[[a, b], [c, d]]: [[f64; 2]; 2]| {
+            [[a - everywhere, b], [c, d - everywhere]].map(|row| row.map(|value| value as f32))
+        };
+        let mut padded = vec![beyond([[0.0; 2]; 2]); size[0] * size[1]];
+        for (row, given) in padded.chunks_mut(size[0]).zip(reentry.chunks(columns)) {
+            row.iter_mut().zip(given).for_each(|(entry, given)| *entry = beyond(*given));
+        }
+        let reentry = padded;
         let mut spread = Self { columns, rows, size, spectrum: Vec::new(), reentry, plans };
         let cells = (size[0] * size[1]) as f64;
         let mut kernel = profile(size, texel_mm, d_mm);
         spread.transform(&mut kernel, true);
-        spread.spectrum = kernel.into_iter().map(|value| albedo * value.re / cells).collect();
+        let summed = |value: Complex<f32>| {
+            let once = albedo * f64::from(value.re);
+            (once / (1.0 - everywhere * once) / cells) as f32
+        };
+        spread.spectrum = kernel.into_iter().map(summed).collect();
         spread
     }
 
     /// Exitance of two maps at once, from the flux that enters: the kernel is even, so one may travel as the imaginary
     /// part.
     pub fn exitance(&self, entering: [&[f64]; 2]) -> [Vec<f64>; 2] {
-        let mut total = vec![Complex::new(0.0, 0.0); self.columns * self.rows];
-        let mut source: Vec<Complex<f64>> =
-            entering[0].iter().zip(entering[1]).map(|(&re, &im)| Complex::new(re, im)).collect();
+        let mut total = vec![Complex::new(0.0, 0.0); self.size[0] * self.size[1]];
+        let largest = entering.iter().copied().flatten().fold(0.0f64, |most, v| most.max(v.abs()));
+        let unit = if largest > 0.0 { largest } else { 1.0 };
+        let mut source = total.clone();
+        let rows = entering[0].chunks(self.columns).zip(entering[1].chunks(self.columns));
+        for (row, (re, im)) in source.chunks_mut(self.size[0]).zip(rows) {
+            for (source, (re, im)) in row.iter_mut().zip(re.iter().zip(im)) {
+                *source = Complex::new((re / unit) as f32, (im / unit) as f32);
+            }
+        }
         for _ in 0..TERMS {
-            let term = self.convolved(&source);
-            let (mut last, mut whole) = (0.0, 0.0);
-            for ((total, term), (source, reentry)) in
-                total.iter_mut().zip(&term).zip(source.iter_mut().zip(&self.reentry))
-            {
-                *total += term;
-                let back = reentry.map(|[re, im]| re * term.re + im * term.im);
+            source = self.convolved(source);
+            let (mut last, mut whole) = (0.0f64, 0.0f64);
+            for ((total, source), reentry) in total.iter_mut().zip(&mut source).zip(&self.reentry) {
+                *total += *source;
+                let back = reentry.map(|[re, im]| re * source.re + im * source.im);
                 *source = Complex::new(back[0], back[1]);
-                last += source.norm_sqr();
-                whole += total.norm_sqr();
+                last += f64::from(source.norm_sqr());
+                whole += f64::from(total.norm_sqr());
             }
             if last <= TOLERANCE * TOLERANCE * whole {
                 break;
             }
         }
-        [total.iter().map(|v| v.re).collect(), total.iter().map(|v| v.im).collect()]
+        let light = |part: fn(&Complex<f32>) -> f32| {
+            let rows = total.chunks(self.size[0]).take(self.rows);
+            rows.flat_map(|row| row[..self.columns].iter().map(|v| unit * f64::from(part(v)))).collect()
+        };
+        [light(|v| v.re), light(|v| v.im)]
     }
 
-    fn convolved(&self, source: &[Complex<f64>]) -> Vec<Complex<f64>> {
-        let mut grid = vec![Complex::new(0.0, 0.0); self.size[0] * self.size[1]];
-        for (row, from) in grid.chunks_mut(self.size[0]).zip(source.chunks(self.columns)) {
-            row[..self.columns].copy_from_slice(from);
-        }
+    fn convolved(&self, mut grid: Vec<Complex<f32>>) -> Vec<Complex<f32>> {
         self.transform(&mut grid, true);
         grid.iter_mut().zip(&self.spectrum).for_each(|(v, s)| *v *= s);
         self.transform(&mut grid, false);
-        grid.chunks(self.size[0]).take(self.rows).flat_map(|row| row[..self.columns].iter().copied()).collect()
+        grid
     }
 
     /// Fourier transform over both axes, without a factor; the forward one leaves the grid transposed, the other turns
     /// it back.
-    fn transform(&self, grid: &mut Vec<Complex<f64>>, forward: bool) {
+    fn transform(&self, grid: &mut Vec<Complex<f32>>, forward: bool) {
         let [columns, rows] = self.size;
         let [ahead, back] = &self.plans;
         if forward {
@@ -112,7 +134,7 @@ fn smooth_number(n: usize) -> usize {
     (n..).find(|&m| left(m) == 1).unwrap_or(n)
 }
 
-fn transposed(grid: &[Complex<f64>], columns: usize) -> Vec<Complex<f64>> {
+fn transposed(grid: &[Complex<f32>], columns: usize) -> Vec<Complex<f32>> {
     let rows = grid.len() / columns;
     let mut out = Vec::with_capacity(grid.len());
     for x in 0..columns {
@@ -122,7 +144,7 @@ fn transposed(grid: &[Complex<f64>], columns: usize) -> Vec<Complex<f64>> {
 }
 
 /// Share of the profile in each texel about a source in the middle of texel 0, wrapped about the grid.
-fn profile(size: [usize; 2], texel_mm: [f64; 2], d_mm: f64) -> Vec<Complex<f64>> {
+fn profile(size: [usize; 2], texel_mm: [f64; 2], d_mm: f64) -> Vec<Complex<f32>> {
     let half = size.map(|n| n / 2 + 1);
     // Integrals from the source to the corners of the texels; the first corner lies half a texel away.
     let corner = |k: usize, axis: usize| (k as f64 + 0.5) * texel_mm[axis];
@@ -138,7 +160,7 @@ fn profile(size: [usize; 2], texel_mm: [f64; 2], d_mm: f64) -> Vec<Complex<f64>>
             (0, y) => 2.0 * (at(0, y) - at(0, y - 1)),
             (x, y) => at(x, y) - at(x - 1, y) - at(x, y - 1) + at(x - 1, y - 1),
         };
-        Complex::new(share, 0.0)
+        Complex::new(share as f32, 0.0)
     };
     (0..size[0] * size[1]).map(cell).collect()
 }
@@ -180,7 +202,7 @@ mod tests {
     fn the_profile_keeps_all_light() {
         let whole = quarter(60.0, 60.0, 0.4) * 4.0;
         assert!((whole - 1.0).abs() < 1e-9, "{whole}");
-        let grid: f64 = profile([400, 320], [0.1, 0.125], 0.4).iter().map(|v| v.re).sum();
+        let grid: f64 = profile([400, 320], [0.1, 0.125], 0.4).iter().map(|v| f64::from(v.re)).sum();
         assert!((grid - 1.0).abs() < 1e-6, "{grid}");
     }
 
@@ -191,8 +213,10 @@ mod tests {
         let radius: f64 = 1.0;
         let kernel = profile([400, 400], [texel, texel], d);
         let place = |k: usize| if k < 200 { k as f64 } else { k as f64 - 400.0 } * texel;
-        let within: f64 =
-            (0..400 * 400).filter(|k| place(k % 400).hypot(place(k / 400)) <= radius).map(|k| kernel[k].re).sum();
+        let within: f64 = (0..400 * 400)
+            .filter(|k| place(k % 400).hypot(place(k / 400)) <= radius)
+            .map(|k| f64::from(kernel[k].re))
+            .sum();
         let exact = 1.0 - 0.25 * (-radius / d).exp() - 0.75 * (-radius / (3.0 * d)).exp();
         assert!((within - exact).abs() < 3e-3, "{within} {exact}");
     }
@@ -209,6 +233,41 @@ mod tests {
         assert!((twice[middle] - 2.0 * exact).abs() < 2e-4 * exact);
         // Light is lost beyond the edges.
         assert!(once[0] < 0.5 * exact);
+    }
+
+    /// Two maps that a boundary mixes, here more and there less: against sums over all texels, one return after the
+    /// other.
+    #[test]
+    fn mixed_returns_are_those_of_plain_sums() {
+        let (columns, rows, texel, d, albedo) = (20, 16, [0.3, 0.25], 0.25, 0.9);
+        let reentry: Vec<[[f64; 2]; 2]> = (0..columns * rows)
+            .map(|k| {
+                let v = if k % 7 == 0 { 0.0 } else { 0.2 + 0.3 * ((k * k) % 11) as f64 / 11.0 };
+                [[v, 0.4 * v], [0.1 * v, 0.8 * v]]
+            })
+            .collect();
+        let entering: [Vec<f64>; 2] =
+            [5, 13].map(|n| (0..columns * rows).map(|k| ((k * k) % n) as f64 * 1e-9).collect());
+        let found = Spread::new(columns, texel, d, albedo, reentry.clone()).exitance([&entering[0], &entering[1]]);
+        let kernel = profile([64, 64], texel, d);
+        let share = |a: usize, b: usize| {
+            let apart = [(a % columns).abs_diff(b % columns), (a / columns).abs_diff(b / columns)];
+            albedo * f64::from(kernel[apart[1] * 64 + apart[0]].re)
+        };
+        let mut source: Vec<[f64; 2]> = (0..columns * rows).map(|k| [entering[0][k], entering[1][k]]).collect();
+        let mut whole = vec![[0.0; 2]; columns * rows];
+        for _ in 0..60 {
+            let sum = |to: usize, map: usize| (0..source.len()).map(|k| share(k, to) * source[k][map]).sum::<f64>();
+            let term: Vec<[f64; 2]> = (0..columns * rows).map(|to| [sum(to, 0), sum(to, 1)]).collect();
+            for (k, term) in term.iter().enumerate() {
+                (0..2).for_each(|map| whole[k][map] += term[map]);
+                source[k] = reentry[k].map(|row| row[0] * term[0] + row[1] * term[1]);
+            }
+        }
+        let largest = whole.iter().flatten().fold(0.0f64, |most, v| most.max(*v));
+        for (k, whole) in whole.iter().enumerate() {
+            (0..2).for_each(|map| assert!((found[map][k] - whole[map]).abs() < 3e-5 * largest, "{k} {map}"));
+        }
     }
 
     /// A source beside a region without re-entry: what returns from there is nothing.

@@ -180,7 +180,7 @@ mod tests {
     use crate::scene::{LoadedScene, Mount, Walls, preset};
     use crate::trace::Backend;
     use crate::trace::backend::CpuTracer;
-    use crate::trace::batch::{Batch, Pacer, Totals, Work};
+    use crate::trace::batch::{Batch, Work};
 
     fn model(loaded: &LoadedScene) -> Model<f64> {
         let shape = crate::surface::surface(loaded).unwrap();
@@ -196,8 +196,8 @@ mod tests {
     /// A film of camera paths alone: `spp` a pixel in each of 16 replicates.
     fn traced(model: &Model<f64>, seed: u32, spp: u32) -> (Film, Unseen) {
         let mut backend = Backend::Cpu32(Box::new(CpuTracer::new(model.cast())));
-        let (pacer, totals, method) = (Pacer::default(), Totals::default(), Method::Path);
-        let mut batch = Batch { model, backend: &mut backend, method, seed, pacer, totals };
+        let method = Method::Path;
+        let mut batch = Batch::new(model, &mut backend, method, seed);
         let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
         for index in 0..16 {
             let image = batch.replicate(index, Work { spp, photons: 1 }, &mut |_| true).unwrap();

@@ -5,7 +5,7 @@ use crate::films::gpu;
 use crate::scenes::Case;
 use std::sync::Arc;
 use tirtouch::trace::backend::{BackendChoice, Precision};
-use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
+use tirtouch::trace::batch::{Batch, Work};
 use tirtouch::trace::gpu::{Gpu, GpuTracer};
 use tirtouch::trace::plan::Method;
 use tirtouch::trace::{Backend, Devices, Model, TraceError};
@@ -24,8 +24,7 @@ fn a_device_lost_in_the_middle_of_a_render_is_an_error() {
         let model = Case::preset("contact-disc").model([32, 24]);
         let device = adapter.device.clone();
         let mut backend = gpu(adapter, &model);
-        let (pacer, totals) = (Pacer::default(), Totals::default());
-        let mut batch = Batch { model: &model, backend: &mut backend, method, seed: 1, pacer, totals };
+        let mut batch = Batch::new(&model, &mut backend, method, 1);
         let mut chunks = 0;
         let found = batch.replicate(0, Work { spp: 1 << 20, photons: 1 << 16 }, &mut |_| {
             chunks += 1;
@@ -57,8 +56,7 @@ fn what_is_prepared_is_all_that_a_replicate_needs_on_one_device_and_on_two() {
         let films = [(gpu(adapter, &model), [2, 0]), (both, [1, 1])].map(|(mut backend, expected)| {
             backend.prepare(method).unwrap();
             assert_eq!(kernels(&backend), expected, "{}", method.name());
-            let (pacer, totals) = (Pacer::default(), Totals::default());
-            let mut batch = Batch { model: &model, backend: &mut backend, method, seed: 1, pacer, totals };
+            let mut batch = Batch::new(&model, &mut backend, method, 1);
             let film = batch.replicate(0, Work { spp: 2, photons: 1 << 16 }, &mut |_| true).unwrap();
             if method == Method::Path {
                 batch.ledger(1 << 16, &mut |_| true).unwrap();
@@ -111,8 +109,7 @@ fn a_scene_after_another_of_its_make_takes_its_kernels_and_nothing_else() {
     });
     let film = |gpu: Arc<Gpu>, model: &Model<f64>| {
         let mut backend = GpuTracer::on(gpu, model).unwrap().into();
-        let (pacer, totals) = (Pacer::default(), Totals::default());
-        let mut batch = Batch { model, backend: &mut backend, method: Method::Map, seed: 1, pacer, totals };
+        let mut batch = Batch::new(model, &mut backend, Method::Map, 1);
         batch.replicate(0, Work { spp: 2, photons: 1 << 16 }, &mut |_| true).unwrap()
     };
     let before = film(adapter.clone(), &first);

@@ -3,7 +3,7 @@
 use crate::adapter::require_gpu;
 use crate::scenes::Case;
 use tirtouch::trace::backend::CpuTracer;
-use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
+use tirtouch::trace::batch::{Batch, Totals, Work};
 use tirtouch::trace::cpu::Limits;
 use tirtouch::trace::gpu::GpuTracer;
 use tirtouch::trace::model::Real;
@@ -25,8 +25,7 @@ fn backends(model: &Model<f64>, limits: Limits) -> impl Iterator<Item = Backend>
 
 /// Camera paths alone of a scene by a method. Its photons are taken out of the sums: they have counts of their own.
 fn camera_paths(model: &Model<f64>, method: Method, backend: &mut Backend) -> Totals {
-    let (pacer, totals) = (Pacer::default(), Totals::default());
-    let mut batch = Batch { model, backend, method, seed: 1, pacer, totals };
+    let mut batch = Batch::new(model, backend, method, 1);
     batch.replicate(0, WORK, &mut |_| true).unwrap();
     Totals { photons: 0, tally: [0; _], ..batch.totals }
 }

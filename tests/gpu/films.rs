@@ -5,7 +5,7 @@ use crate::scenes::{Case, at_once, presets, variants};
 use tirtouch::film::{BlockAccumulator, Comparison, Film, compare};
 use tirtouch::scene::Integrator;
 use tirtouch::trace::backend::CpuTracer;
-use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
+use tirtouch::trace::batch::{Batch, Work};
 use tirtouch::trace::exitance::TouchedFace;
 use tirtouch::trace::gpu::GpuTracer;
 use tirtouch::trace::plan::Method;
@@ -27,8 +27,7 @@ pub fn f64_twin(model: &Model<f64>) -> Backend {
 pub fn film(mut backend: Backend, model: &Model<f64>, method: Method, seed: u32, work: Work) -> Film {
     let [columns, rows] = model.camera.size;
     let mut sum = BlockAccumulator::new(columns, rows);
-    let (pacer, totals) = (Pacer::default(), Totals::default());
-    let mut batch = Batch { model, backend: &mut backend, method, seed, pacer, totals };
+    let mut batch = Batch::new(model, &mut backend, method, seed);
     let maps = if method == Method::Map { smoothed_maps(&mut batch, work) } else { Vec::new() };
     for index in 0..REPLICATES {
         let replicate = match maps.get(index as usize) {

@@ -6,7 +6,7 @@ use crate::scenes::{Case, model};
 use std::path::PathBuf;
 use tirtouch::scene::{LoadedScene, Pattern};
 use tirtouch::trace::backend::CpuTracer;
-use tirtouch::trace::batch::{Batch, Pacer, Totals, Work};
+use tirtouch::trace::batch::{Batch, Work};
 use tirtouch::trace::gpu::GpuTracer;
 use tirtouch::trace::plan::Method;
 use tirtouch::trace::{Backend, Devices, Model, Precision, TraceError};
@@ -98,8 +98,7 @@ fn a_number_that_is_not_finite_is_refused_by_its_name_before_a_kernel_is_made() 
 }
 
 fn traced(mut backend: Backend, model: &Model<f64>, method: Method) -> Result<Vec<f64>, TraceError> {
-    let (pacer, totals) = (Pacer::default(), Totals::default());
-    let mut batch = Batch { model, backend: &mut backend, method, seed: 1, pacer, totals };
+    let mut batch = Batch::new(model, &mut backend, method, 1);
     batch.replicate(0, WORK, &mut |_| true)
 }
 
