@@ -7,7 +7,8 @@ use crate::mechanics::from_scene::press_cost;
 use crate::pages::facts::columns;
 use crate::pages::inspection::{Device, Seen, cost_json, cost_text};
 use crate::pages::regimes::layers;
-use crate::pipeline::Prepared;
+use crate::pages::truth::{loads, phantom_rows};
+use crate::pipeline::{Prepared, Truth};
 use crate::scene::LoadedScene;
 use crate::streams::{Role, Streams};
 use crate::trace::gains::{Gain, gains, small};
@@ -51,7 +52,8 @@ impl Inspect {
         let device = Device::of(&devices, model);
         let press = press_cost(&loaded).map_err(|error| PressFailure::of(error, &file).failure)?;
         let gains = if self.gains { Some(self.measure(&devices?, &prepared)?) } else { None };
-        let seen = Seen { layers: layers(&prepared), prepared: &prepared, kernel, plan, device, press, gains };
+        let truth = truth_of(&loaded)?;
+        let seen = Seen { layers: layers(&prepared), prepared: &prepared, kernel, plan, device, press, truth, gains };
         match self.talk.json {
             true => print(&seen.json()?.to_string())?,
             false => print(&seen.text()?)?,
@@ -67,12 +69,17 @@ impl Inspect {
         if self.talk.json {
             let light = json!({"undefined": "an indenter guides no light"});
             let press = press.map(|cost| cost_json(&cost));
-            let said = json!({"scene": scene.name, "description": scene.description, "light": light, "press": press});
+            let (truth, description) = (truth_of(loaded)?, &scene.description);
+            let said = json!({
+                "scene": scene.name, "description": description, "light": light, "truth": truth, "press": press
+            });
             return print(&said.to_string());
         }
         let light = ("light".to_owned(), "none: an indenter presses in the sensor's place".to_owned());
         let press = press.map(|cost| ("press".to_owned(), cost_text(&cost)));
-        let rows: Vec<_> = std::iter::once(light).chain(press).collect();
+        let loads = scene.press.as_ref().map(|press| ("loads".to_owned(), loads(press)));
+        let rows: Vec<_> =
+            std::iter::once(light).chain(phantom_rows(&truth_of(loaded)?)).chain(loads).chain(press).collect();
         print(&format!("{}: {}\n\n{}", scene.name, scene.description, columns(&rows)))
     }
 
@@ -81,4 +88,8 @@ impl Inspect {
         let other = Streams { role: Role::Timing, ..prepared.streams.clone() };
         Ok(watched(self.talk.quiet, |observe| gains(devices, &model, &settings, other.light(), self.rounds, observe))?)
     }
+}
+
+fn truth_of(loaded: &LoadedScene) -> Result<Truth, Failure> {
+    Ok(Truth::of(loaded.scene.phantom.as_ref(), &loaded.files, false)?)
 }

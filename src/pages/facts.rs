@@ -28,14 +28,10 @@ pub fn facts(shot: &Shot) -> Vec<(String, String)> {
         fact(
             "samples",
             format!(
-                "{} a pixel, {} paths, {} photons{}, {} replicates, seed {}",
+                "{} a pixel, {} paths, {} photons, {} replicates, seed {}",
                 outcome.spp,
                 figure(outcome.paths as f64),
                 figure(outcome.photons as f64),
-                match outcome.mirror_images {
-                    1 => String::new(),
-                    images => format!(" for {images} mirror images"),
-                },
                 outcome.film.replicates,
                 shot.prepared.streams.seed
             ),

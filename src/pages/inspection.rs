@@ -2,10 +2,11 @@
 
 use super::facts::{columns, figure};
 use super::regimes::{LayerAngles, regimes};
+use super::truth::{loads, phantom_rows};
 use crate::camera::ProjectionError;
 use crate::mechanics::memory::limit_gib;
 use crate::mechanics::press::Cost;
-use crate::pipeline::{Prepared, method_name, view_of};
+use crate::pipeline::{Prepared, Truth, method_name, view_of};
 use crate::surface::Surface;
 use crate::trace::gains::Gain;
 use crate::trace::{Devices, Kernel, Method, Model, Plan, TraceError};
@@ -70,6 +71,7 @@ pub struct Seen<'a> {
     pub plan: Plan,
     pub device: Device,
     pub press: Option<Cost>,
+    pub truth: Truth,
     pub gains: Option<Vec<Gain>>,
 }
 
@@ -121,6 +123,7 @@ impl Seen<'_> {
             "kernel": {"included": self.pieces(true), "left_out": self.pieces(false)},
             "camera": {"pixels": scene.camera.pixels, "mm_per_pixel": view_of(self.prepared.scene())?.mm_per_pixel()},
             "memory": {"device_bytes": device, "program_bytes": program},
+            "truth": self.truth,
             "press": self.press.map(|cost| cost_json(&cost)),
             "backend": self.device.backend,
             "adapter": self.device.adapter,
@@ -185,6 +188,8 @@ impl Seen<'_> {
             ),
             row("memory", format!("about {device} MiB on the device, {program} MiB in the program")),
         ];
+        rows.extend(phantom_rows(&self.truth));
+        rows.extend(scene.press.as_ref().map(|press| row("loads", loads(press))));
         rows.extend(self.press.map(|cost| row("press", cost_text(&cost))));
         rows.push(row("adapter", self.device.adapter.clone()));
         rows.extend(self.device.notice.iter().map(|notice| row("notice", notice.clone())));

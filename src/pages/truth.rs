@@ -3,6 +3,7 @@
 use super::facts::figure;
 use crate::pipeline::{TrueInclusion, Truth};
 use crate::report::{Item, Table};
+use crate::scene::{Press, PressStep};
 
 /// In a line for each inclusion.
 pub fn truth_rows(truth: &Truth) -> Vec<(String, String)> {
@@ -16,6 +17,31 @@ pub fn truth_rows(truth: &Truth) -> Vec<(String, String)> {
         (None, []) => vec![row("none".into())],
         (None, inclusions) => inclusions.iter().map(words).collect(),
     }
+}
+
+/// The phantom itself, its layers and its inclusions, a line each; nothing where there is no phantom.
+pub fn phantom_rows(truth: &Truth) -> Vec<(String, String)> {
+    let Some(itself) = truth.phantom_youngs_kpa.value() else { return Vec::new() };
+    let phantom = ("phantom".to_owned(), format!("{} kPa{}", figure(itself), skin(truth)));
+    let inclusions = truth_rows(truth).into_iter().filter(|_| !truth.inclusions.is_empty());
+    std::iter::once(phantom).chain(inclusions.map(|(_, words)| ("inclusion".to_owned(), words))).collect()
+}
+
+/// What a press does, load by load.
+pub fn loads(press: &Press) -> String {
+    let list = |values: &[f64]| values.iter().copied().map(figure).collect::<Vec<_>>().join(", ");
+    match (&press.depths_mm, &press.forces_n) {
+        (Some(depths), _) => format!("to {} mm", list(depths)),
+        (_, Some(forces)) => format!("to {} N", list(forces)),
+        _ => press.step.iter().map(step).collect::<Vec<_>>().join("; "),
+    }
+}
+
+fn step(step: &PressStep) -> String {
+    let to = step.depth_mm.map(|depth| format!("to {} mm", figure(depth)));
+    let slide = step.slide_mm.map(|[x, y]| format!("slid to ({}, {}) mm", figure(x), figure(y)));
+    let hold = (step.hold_s > 0.0).then(|| format!("held {} s", figure(step.hold_s)));
+    [to, slide, hold].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 /// The inclusions as a table of a report, if there are any.
@@ -53,5 +79,17 @@ mod tests {
         assert!(truth_table(&truth(&phantom, true)).is_none());
         phantom.inclusion.push(phantom.inclusion[0].clone());
         assert_eq!(truth_rows(&truth(&phantom, false)).len(), 2);
+        let rows = phantom_rows(&truth(&phantom, false));
+        assert_eq!(rows.iter().map(|row| row.0.as_str()).collect::<Vec<_>>(), ["phantom", "inclusion", "inclusion"]);
+        assert_eq!(phantom_rows(&truth(&phantom, true)), [("phantom".to_owned(), "5 kPa".to_owned())]);
+    }
+
+    #[test]
+    fn loads_are_told_one_by_one() {
+        let press = Press { depths_mm: Some(vec![1.0, 2.5]), ..Press::default() };
+        assert_eq!(loads(&press), "to 1, 2.5 mm");
+        let slide = PressStep { depth_mm: None, slide_mm: Some([1.0, 0.0]), hold_s: 3.0 };
+        let step = vec![PressStep { depth_mm: Some(2.0), slide_mm: None, hold_s: 0.0 }, slide];
+        assert_eq!(loads(&Press { step, ..Press::default() }), "to 2 mm; slid to (1, 0) mm, held 3 s");
     }
 }

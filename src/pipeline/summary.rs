@@ -112,8 +112,6 @@ pub struct MapSummary {
     pub smoothing_mm: [f64; 2],
     /// Bias of the smoothing in either, relative.
     pub relative_bias: [f64; 2],
-    /// Mirror images for which a photon stands, its own place among them.
-    pub mirror_images: usize,
 }
 
 /// Error of a block of pixels.
@@ -260,7 +258,6 @@ impl Shot<'_> {
             texel_mm,
             smoothing_mm: smoothing.widths.map(|width| width as f64 * texel_mm),
             relative_bias: smoothing.bias,
-            mirror_images: outcome.mirror_images,
         });
         let dark = "the image is dark; absolute_error and mean_radiance_below say how dark";
         let block =

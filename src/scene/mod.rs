@@ -94,17 +94,8 @@ pub struct Render {
     pub map_texel_mm: f64,
     /// Control points along the longer side of a deformed interface held as a height field.
     pub height_field_points: u32,
-    /// Whether places of the map that are mirror images of each other share what photons find there, and so its noise.
-    /// With `false` each has its own.
-    #[serde(skip_serializing_if = "is_true")]
-    pub symmetry: bool,
     /// Seed of all random numbers.
     pub seed: u32,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)]
-fn is_true(value: &bool) -> bool {
-    *value
 }
 
 impl Default for Render {
@@ -115,7 +106,6 @@ impl Default for Render {
             photons: None,
             map_texel_mm: 0.125,
             height_field_points: 256,
-            symmetry: true,
             seed: 1,
         }
     }

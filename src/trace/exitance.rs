@@ -14,7 +14,6 @@ use super::model::{Model, Tissue};
 use super::scatter::Scatter;
 use super::smooth::Smoother;
 use super::spread::Spread;
-use super::symmetry::{Fold, Symmetry};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::OnceLock;
@@ -36,23 +35,21 @@ const LEAST_NOISE: f64 = 0.1;
 /// contact, and through the gap; or, where it is a half space, what it sends towards the map's two directions.
 #[derive(Debug, Clone)]
 pub struct ContactLight {
-    /// Of photons, in the part of the face that mirrors leave.
+    /// Of photons.
     light: [Vec<f64>; 2],
-    /// What was found without, there.
+    /// What was found without.
     direct: Option<[Vec<f64>; 2]>,
 }
 
 /// The touched face, cut into texels.
 pub struct TouchedFace {
+    columns: usize,
     /// Power of the LEDs over that of a unit of deposit.
     unit: f64,
     /// Area under tissue of each texel, mm^2.
     area: Vec<f64>,
     /// That of a whole texel.
     texel_area: f64,
-    /// Under which motions the light on it is the same, and the part of the texels that mirrors leave.
-    symmetry: Symmetry,
-    fold: Fold,
     /// Whether each of the maps is read: some of the face is in true contact, and some not.
     seen: [bool; 2],
     after: After,
@@ -129,43 +126,24 @@ impl TouchedFace {
         let uniform = model.tissue.as_ref().filter(|tissue| tissue.grid.is_empty()).map(|tissue| tissue.share);
         let both = model.tissue.as_ref().is_some_and(|tissue| tissue.scatter.is_half_space());
         let seen = [both || uniform != Some(0.0), both || uniform != Some(1.0)];
-        let symmetry = Symmetry::of(model);
-        let fold = symmetry.fold(model.map_size);
-        Self { unit: model.power / DEPOSIT_UNIT, area, texel_area, symmetry, fold, seen, after }
+        Self { columns, unit: model.power / DEPOSIT_UNIT, area, texel_area, seen, after }
     }
 
-    /// Mirror images for which a photon stands, its own place among them.
-    pub fn mirror_images(&self) -> usize {
-        self.symmetry.images()
-    }
-
-    /// The same as if all motions of the square left its light as it is: a fault that tests must find.
-    #[cfg(test)]
-    pub(super) fn with_all_images(self, size: [usize; 2]) -> Self {
-        let symmetry = Symmetry::all();
-        Self { fold: symmetry.fold(size), symmetry, ..self }
-    }
-
-    /// Turns deposits of `sent` photons into light per area, beside light found without photons; each is the mean over
-    /// its mirror images.
+    /// Turns deposits of `sent` photons into light per area, beside light found without photons.
     pub fn light(&self, deposits: &[u64], sent: f64, direct: Option<[Vec<f64>; 2]>) -> ContactLight {
         let each = self.unit / sent;
-        let average = |light: Vec<f64>| self.symmetry.average(&light, &self.fold);
         let light = [0, 1].map(|which| {
             let fluxes = deposits.iter().skip(which).step_by(2);
-            let light = fluxes.zip(&self.area).map(|(&flux, &a)| if a > 0.0 { flux as f64 * each / a } else { 0.0 });
-            average(light.collect())
+            fluxes.zip(&self.area).map(|(&flux, &a)| if a > 0.0 { flux as f64 * each / a } else { 0.0 }).collect()
         });
-        ContactLight { light, direct: direct.map(|both| both.map(average)) }
+        ContactLight { light, direct }
     }
 
     /// What camera paths read, for each replicate: light times area beside the area, for true contact and for the gap;
     /// the exitance in place of the first, where light spreads; the exitance towards the map's two directions, where
     /// tissue is a half space.
     pub fn texels(&self, maps: &[ContactLight], smoothing: Smoothing) -> Vec<Vec<[f64; 4]>> {
-        let area = self.fold.part(&self.area);
-        let [columns, _] = self.fold.part_size();
-        let smoothers = smoothing.widths.map(|width| Smoother::new(&area, columns, self.fold.mirrors, width));
+        let smoothers = smoothing.widths.map(|width| Smoother::new(&self.area, self.columns, width));
         let smooth = |map: &ContactLight| {
             [0, 1].map(|which| {
                 let mut light = smoothers[which].smooth(&map.light[which]);
@@ -174,7 +152,7 @@ impl TouchedFace {
                 }
                 // The kernel has a negative rim.
                 light.iter_mut().for_each(|v| *v = v.max(0.0));
-                self.fold.whole(&light)
+                light
             })
         };
         let texels = |[one, other]: [Vec<f64>; 2]| -> Vec<[f64; 4]> {
@@ -212,10 +190,13 @@ impl TouchedFace {
         }
     }
 
-    /// Exitance from two maps of light per area of tissue, per area of the texels.
+    /// Exitance from two maps of light per area of tissue, per area of the texels. Where there is none, rounding may
+    /// leave less than nothing.
     fn spread(&self, spread: &Spread, light: &[Vec<f64>; 2]) -> [Vec<f64>; 2] {
         let flux = [0, 1].map(|k| light[k].iter().zip(&self.area).map(|(v, area)| v * area).collect::<Vec<_>>());
-        spread.exitance([&flux[0], &flux[1]]).map(|flux| flux.iter().map(|flux| flux / self.texel_area).collect())
+        spread
+            .exitance([&flux[0], &flux[1]])
+            .map(|flux| flux.iter().map(|flux| flux.max(0.0) / self.texel_area).collect())
     }
 
     /// Chooses the smoothing from the maps of independent replicates.
@@ -224,8 +205,7 @@ impl TouchedFace {
         if groups < 3 {
             return Smoothing::default();
         }
-        let area = self.fold.part(&self.area);
-        let smoothers = Smoothers::new(&area, self.fold.part_size()[0], self.fold.mirrors);
+        let smoothers = Smoothers::new(&self.area, self.columns);
         let choose = |which: usize| {
             if !self.seen[which] {
                 return (1, 0.0);
@@ -237,7 +217,7 @@ impl TouchedFace {
             let direct = mean(maps.iter().filter_map(|map| map.direct.as_ref()).map(|direct| direct[which].as_slice()));
             let mut light = mean(parts.iter().map(Vec::as_slice));
             light.iter_mut().zip(&direct).for_each(|(v, direct)| *v += direct);
-            let square: f64 = light.iter().zip(&area).map(|(v, area)| v * v * area).sum();
+            let square: f64 = light.iter().zip(&self.area).map(|(v, area)| v * v * area).sum();
             (width, if bias > 0.0 { bias / square.sqrt() } else { 0.0 })
         };
         let (contact, gap) = rayon::join(|| choose(0), || choose(1));
@@ -249,23 +229,18 @@ impl TouchedFace {
 struct Smoothers<'a> {
     area: &'a [f64],
     columns: usize,
-    mirrors: [bool; 2],
     by_width: Vec<(usize, OnceLock<Smoother>)>,
 }
 
 impl<'a> Smoothers<'a> {
-    fn new(area: &'a [f64], columns: usize, mirrors: [bool; 2]) -> Self {
+    fn new(area: &'a [f64], columns: usize) -> Self {
         let by_width = WIDTHS.iter().flatten().map(|&width| (width, OnceLock::new())).collect();
-        Self { area, columns, mirrors, by_width }
-    }
-
-    fn of(&self, width: usize) -> Smoother {
-        Smoother::new(self.area, self.columns, self.mirrors, width)
+        Self { area, columns, by_width }
     }
 
     /// Each of the parts smoothed by boxes of a width.
     fn smooth(&self, parts: &[Vec<f64>], width: usize) -> Vec<Vec<f64>> {
-        let make = || self.of(width);
+        let make = || Smoother::new(self.area, self.columns, width);
         match self.by_width.iter().find(|(known, _)| *known == width) {
             Some((_, smoother)) => {
                 let smoother = smoother.get_or_init(make);
@@ -290,7 +265,7 @@ impl<'a> Smoothers<'a> {
 /// extrapolated below v: where d is so wide that its bias no longer grows as a power, that would promise too much.
 fn width(parts: &[Vec<f64>], smoothers: &Smoothers) -> (usize, f64) {
     let (area, mut chosen) = (smoothers.area, (1, 0.0));
-    let Some(weights) = over_local_noise(parts, smoothers) else {
+    let Some(weights) = over_local_noise(parts, area, smoothers.columns) else {
         return chosen;
     };
     let mut known: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
@@ -315,15 +290,14 @@ fn width(parts: &[Vec<f64>], smoothers: &Smoothers) -> (usize, f64) {
 }
 
 /// Areas over the variance that the parts show about each texel; none where they do not differ, or nothing is touched.
-fn over_local_noise(parts: &[Vec<f64>], smoothers: &Smoothers) -> Option<Vec<f64>> {
-    let area = smoothers.area;
+fn over_local_noise(parts: &[Vec<f64>], area: &[f64], columns: usize) -> Option<Vec<f64>> {
     if area.iter().all(|&area| area <= 0.0) {
         return None;
     }
     let whole = mean(parts.iter().map(Vec::as_slice));
     let square = |k: usize| parts.iter().map(|part| (part[k] - whole[k]).powi(2)).sum::<f64>();
     let squares: Vec<f64> = (0..area.len()).map(square).collect();
-    let about = smoothers.of(ABOUT).mean(&squares);
+    let about = Smoother::new(area, columns, ABOUT).mean(&squares);
     let mut noisy: Vec<f64> = about.iter().copied().filter(|&v| v > 0.0).collect();
     noisy.sort_by(f64::total_cmp);
     let least = LEAST_NOISE * noisy.get(noisy.len() / 2)?;
@@ -436,18 +410,18 @@ mod tests {
         let area = vec![1.0; COLUMNS * COLUMNS];
         let bump = |x: f64, y: f64| 2.0 + (3.0 * x).sin() * (2.0 * y).cos();
         let noisy = parts(bump, 20.0);
-        let (wide, bias) = width(&noisy, &Smoothers::new(&area, COLUMNS, [false; 2]));
+        let (wide, bias) = width(&noisy, &Smoothers::new(&area, COLUMNS));
         let raw = error(&noisy[0], bump);
-        let smooth = error(&Smoother::new(&area, COLUMNS, [false; 2], wide).smooth(&noisy[0]), bump);
+        let smooth = error(&Smoother::new(&area, COLUMNS, wide).smooth(&noisy[0]), bump);
         let light = COLUMNS as f64 * 2.0;
         assert!(wide >= 9 && bias < 0.01 * light, "{wide} {bias}");
         assert!(smooth < 0.11 * raw, "{smooth} {raw}");
         // The same noise about an edge: the kernel stays at the texel where photons abound.
         let edge = |x: f64, _: f64| if x < 0.5 { 1.0 } else { 2.0 };
-        assert_eq!(width(&parts(edge, 2e4), &Smoothers::new(&area, COLUMNS, [false; 2])).0, 1);
+        assert_eq!(width(&parts(edge, 2e4), &Smoothers::new(&area, COLUMNS)).0, 1);
         let nothing = vec![0.0; COLUMNS * COLUMNS];
         assert_eq!(
-            width(&parts(bump, 20.0), &Smoothers::new(&nothing, COLUMNS, [false; 2])),
+            width(&parts(bump, 20.0), &Smoothers::new(&nothing, COLUMNS)),
             (1, 0.0),
             "a face that nothing touches"
         );
@@ -458,14 +432,14 @@ mod tests {
         let area = vec![1.0; COLUMNS * COLUMNS];
         let bump = |x: f64, y: f64| 1.0 + 4.0 * (-((x - 0.5).powi(2) + (y - 0.5).powi(2)) / 0.02).exp();
         let sound = parts(bump, 3.0);
-        let (expected, _) = width(&sound, &Smoothers::new(&area, COLUMNS, [false; 2]));
+        let (expected, _) = width(&sound, &Smoothers::new(&area, COLUMNS));
         assert!(expected > 1, "nothing is smoothed");
         for strong in [30.0, 300.0] {
             let mut struck = sound.clone();
             // In one of the parts, on 5 x 5 texels. With one measure of noise for the face: 9 and 13 texels in place of
             // 3.
             (0..25).for_each(|k| struck[3][(k / 5 + 2) * COLUMNS + k % 5 + 2] += strong);
-            assert_eq!(width(&struck, &Smoothers::new(&area, COLUMNS, [false; 2])).0, expected, "{strong}");
+            assert_eq!(width(&struck, &Smoothers::new(&area, COLUMNS)).0, expected, "{strong}");
         }
     }
 
@@ -484,13 +458,13 @@ mod tests {
             .collect();
         for photons in [3.0, 10.0, 30.0] {
             let parts = parts(light, photons);
-            let (wide, _) = width(&parts, &Smoothers::new(&area, COLUMNS, [false; 2]));
+            let (wide, _) = width(&parts, &Smoothers::new(&area, COLUMNS));
             let bias = |width| {
-                let smooth = Smoother::new(&area, COLUMNS, [false; 2], width).smooth(&exact);
+                let smooth = Smoother::new(&area, COLUMNS, width).smooth(&exact);
                 let square = |k: usize| area[k] * (smooth[k] - exact[k]).powi(2);
                 (0..area.len()).map(square).sum::<f64>().sqrt()
             };
-            let smoother = Smoother::new(&area, COLUMNS, [false; 2], wide);
+            let smoother = Smoother::new(&area, COLUMNS, wide);
             let smoothed: Vec<Vec<f64>> = parts.iter().map(|part| smoother.smooth(part)).collect();
             let noise = Square::of(&smoothed, &area).noise.sqrt();
             assert!(bias(wide) < 0.5 * noise, "{wide}: {} of {noise}", bias(wide));

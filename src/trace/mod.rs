@@ -39,7 +39,6 @@ pub mod scatter;
 mod scene_model;
 mod smooth;
 mod spread;
-pub mod symmetry;
 mod unfold;
 pub mod unseen;
 

@@ -28,8 +28,6 @@ pub enum Spare {
     Astray,
     /// Photons for light that unfolding finds.
     Direct,
-    /// Photons for mirror images of others.
-    MirrorImages,
 }
 
 /// Side walls.

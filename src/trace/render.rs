@@ -116,8 +116,6 @@ pub struct Outcome {
     pub ledger_photons: u64,
     /// How the photons' maps were smoothed, where there are any.
     pub smoothing: Option<Smoothing>,
-    /// Mirror images for which a photon of the map stands, its own place among them.
-    pub mirror_images: usize,
     /// Segments of both, without those of a ledger traced on its own.
     pub segments: u64,
     /// Camera paths per pixel.
@@ -335,8 +333,7 @@ pub fn render_on(
         paths: totals.paths,
         photons,
         ledger_photons: totals.photons,
-        smoothing: gather.as_ref().map(|gather| gather.smoothing),
-        mirror_images: gather.as_ref().map_or(1, |gather| gather.face.mirror_images()),
+        smoothing: gather.map(|gather| gather.smoothing),
         segments,
         spp,
         film,

@@ -1,9 +1,7 @@
 //! From a validated scene to the tracer's model.
 
 use super::constants::Finish;
-use super::model::{
-    Camera, CapShape, Deformation, Face, FieldShape, Heights, Layer, MeshShape, Model, Spare, Tissue, Walls,
-};
+use super::model::{Camera, CapShape, Deformation, Face, FieldShape, Heights, Layer, MeshShape, Model, Tissue, Walls};
 use super::scatter::Scatter;
 use super::{leds, unfold};
 use crate::optics::{fresnel, tissue};
@@ -56,7 +54,7 @@ impl Model<f64> {
             power: lit.power,
             aimed_share,
             unfolded: 0,
-            spare: if scene.render.symmetry { Vec::new() } else { vec![Spare::MirrorImages] },
+            spare: Vec::new(),
         };
         model.unfolded = unfold::reflections(&model);
         Ok(model)

@@ -4,15 +4,11 @@
 //! there is (local linear regression: Fan and Gijbels 1996, Local Polynomial Modelling), so slopes are kept up to the
 //! edges. That, S, is used as 2 S - S S: the twiced kernel has no second moment, so where the density varies smoothly
 //! the bias falls with the fourth power of the width (Stuetzle and Mittal 1979).
-//!
-//! Of a face that is its own mirror image along an axis the half is held; the other is seen in the mirror at its end.
 
 /// Smooths densities over one face with one width.
 pub struct Smoother {
     columns: usize,
     width: usize,
-    /// Along which axes the last texels lie at a mirror.
-    mirrors: [bool; 2],
     /// The least rectangle that holds the face: first column and row, columns and rows.
     window: [usize; 4],
     /// Areas within the window.
@@ -25,11 +21,9 @@ pub struct Smoother {
 const LEAST: f64 = 1e-3;
 
 impl Smoother {
-    /// For a face of `columns` texels in a row with these areas, mirrored at the end of each row and of each column or
-    /// not; boxes of `width` texels (odd; 1 does nothing).
-    pub fn new(area: &[f64], columns: usize, mirrors: [bool; 2], width: usize) -> Self {
-        let window = window(area, columns, mirrors);
-        let mut smoother = Self { columns, width, mirrors, window, area: Vec::new(), fit: Vec::new() };
+    /// For a face of `columns` texels in a row with these areas; boxes of `width` texels (odd; 1 does nothing).
+    pub fn new(area: &[f64], columns: usize, width: usize) -> Self {
+        let mut smoother = Self { columns, width, window: window(area, columns), area: Vec::new(), fit: Vec::new() };
         if width > 1 {
             smoother.area = smoother.cut(area);
             let sum = |powers: [usize; 2]| smoother.sum(&smoother.area, powers);
@@ -87,69 +81,53 @@ impl Smoother {
     }
 
     fn place(&self, k: usize) -> [f64; 2] {
-        [self.coordinate(0, k % self.window[2]), self.coordinate(1, k / self.window[2])]
-    }
-
-    /// Place along an axis, from the mirror if there is one: odd there.
-    fn coordinate(&self, axis: usize, k: usize) -> f64 {
-        k as f64 - if self.mirrors[axis] { self.window[2 + axis] as f64 - 0.5 } else { 0.0 }
-    }
-
-    /// What a mirror along an axis makes of a field that goes with such a power of the place; 0 where there is none.
-    fn mirrored(&self, axis: usize, power: usize) -> f64 {
-        if self.mirrors[axis] { [1.0, -1.0][power % 2] } else { 0.0 }
+        [(k % self.window[2]) as f64, (k / self.window[2]) as f64]
     }
 
     /// Sums under the kernel of a field times powers, up to 2, of the place.
     fn sum(&self, field: &[f64], powers: [usize; 2]) -> Vec<f64> {
-        let power = |axis: usize, k: usize| self.coordinate(axis, k).powi(powers[axis] as i32);
+        let power = |x: usize, power: usize| [1.0, x as f64, (x * x) as f64][power];
         let mut field = field.to_vec();
         for (y, row) in field.chunks_mut(self.window[2]).enumerate() {
-            row.iter_mut().enumerate().for_each(|(x, v)| *v *= power(0, x) * power(1, y));
+            row.iter_mut().enumerate().for_each(|(x, v)| *v *= power(x, powers[0]) * power(y, powers[1]));
         }
-        self.across(&self.along(field, powers[1]), powers[0])
+        self.across(&self.along(field))
     }
 
     /// Sums under the kernel of a field, and of it times the place along both axes.
     fn moments(&self, field: Vec<f64>) -> [Vec<f64>; 3] {
         let [_, _, columns, rows] = self.window;
-        let times = |field: &[f64], axis: usize, length: usize| -> Vec<f64> {
-            let line = |(k, line): (usize, &[f64])| {
-                let at = self.coordinate(axis, k);
-                line.iter().map(|v| v * at).collect::<Vec<_>>()
-            };
-            field.chunks(length).enumerate().flat_map(line).collect()
+        let times = |field: &[f64], length: usize| -> Vec<f64> {
+            field.chunks(length).enumerate().flat_map(|(k, line)| line.iter().map(move |v| v * k as f64)).collect()
         };
-        let times_y = self.along(times(&field, 1, columns), 1);
-        let along = self.along(field, 0);
-        let times_x = times(&along, 0, rows);
-        [self.across(&along, 0), self.across(&times_x, 1), self.across(&times_y, 0)]
+        let times_y = self.along(times(&field, columns));
+        let along = self.along(field);
+        let times_x = times(&along, rows);
+        [along, times_x, times_y].map(|field| self.across(&field))
     }
 
-    /// The kernel along y of a field by rows that goes with such a power of y; by columns afterwards.
-    fn along(&self, mut field: Vec<f64>, power: usize) -> Vec<f64> {
+    /// The kernel along y of a field by rows; by columns afterwards.
+    fn along(&self, mut field: Vec<f64>) -> Vec<f64> {
         let [_, _, columns, rows] = self.window;
-        (0..3).for_each(|_| boxes(&mut field, columns, self.width, self.mirrored(1, power)));
+        (0..3).for_each(|_| boxes(&mut field, columns, self.width));
         turned(&field, columns, rows)
     }
 
-    /// The kernel along x of a field by columns that goes with such a power of x; by rows afterwards.
-    fn across(&self, field: &[f64], power: usize) -> Vec<f64> {
+    /// The kernel along x of a field by columns; by rows afterwards.
+    fn across(&self, field: &[f64]) -> Vec<f64> {
         let [_, _, columns, rows] = self.window;
         let mut field = field.to_vec();
-        (0..3).for_each(|_| boxes(&mut field, rows, self.width, self.mirrored(0, power)));
+        (0..3).for_each(|_| boxes(&mut field, rows, self.width));
         turned(&field, rows, columns)
     }
 }
 
-/// The least rectangle that holds all area, and reaches to the mirrors: first column and row, columns and rows.
-fn window(area: &[f64], columns: usize, mirrors: [bool; 2]) -> [usize; 4] {
-    let whole = [columns, area.len() / columns];
+/// The least rectangle that holds all area: first column and row, columns and rows.
+fn window(area: &[f64], columns: usize) -> [usize; 4] {
     let there = || area.iter().enumerate().filter(|(_, area)| **area > 0.0).map(|(k, _)| [k % columns, k / columns]);
     let bounds = |axis: usize| {
         let low = there().map(|place| place[axis]).min().unwrap_or(0);
-        let end = there().map(|place| place[axis] + 1).max().unwrap_or(low);
-        (low, if mirrors[axis] && end > low { whole[axis] } else { end } - low)
+        (low, there().map(|place| place[axis] + 1).max().unwrap_or(low) - low)
     };
     let ((x, width), (y, height)) = (bounds(0), bounds(1));
     [x, y, width.max(1), height]
@@ -171,27 +149,18 @@ fn fit([m, mx, my, mxx, mxy, myy]: [f64; 6], [x, y]: [f64; 2], spread: f64) -> [
     minors.map(|minor| minor / determinant)
 }
 
-/// Means of `width` neighbours in each column, all columns side by side. Beyond the ends there is nothing, or beyond the
-/// last row its mirror image times `mirrored`.
-fn boxes(field: &mut [f64], columns: usize, width: usize, mirrored: f64) {
+/// Means of `width` neighbours in each column, all columns side by side; beyond the ends there is nothing.
+fn boxes(field: &mut [f64], columns: usize, width: usize) {
     let (half, each) = (width / 2, 1.0 / width as f64);
     let before = field.to_vec();
-    let rows = before.len() / columns.max(1);
     let row = |y: usize| before.get(y * columns..(y + 1) * columns).unwrap_or_default();
     let mut sums = vec![0.0; columns];
-    let add = |sums: &mut [f64], y: usize, sign: f64| {
-        let (row, sign) = match (2 * rows).checked_sub(y + 1) {
-            _ if y < rows => (row(y), sign),
-            Some(image) if mirrored != 0.0 => (row(image), sign * mirrored),
-            _ => (&[][..], sign),
-        };
-        sums.iter_mut().zip(row).for_each(|(s, v)| *s += sign * v);
-    };
-    (0..half).for_each(|y| add(&mut sums, y, 1.0));
+    let add = |sums: &mut [f64], row: &[f64], sign: f64| sums.iter_mut().zip(row).for_each(|(s, v)| *s += sign * v);
+    (0..half).for_each(|y| add(&mut sums, row(y), 1.0));
     for (y, means) in field.chunks_mut(columns).enumerate() {
-        add(&mut sums, y + half, 1.0);
+        add(&mut sums, row(y + half), 1.0);
         if y > half {
-            add(&mut sums, y - half - 1, -1.0);
+            add(&mut sums, row(y - half - 1), -1.0);
         }
         means.iter_mut().zip(&sums).for_each(|(mean, sum)| *mean = sum * each);
     }
@@ -231,45 +200,11 @@ mod tests {
     #[test]
     fn slopes_are_kept_up_to_the_edges_and_parabolas_within() {
         let (area, slope) = (cut(), along(1));
-        let kept = Smoother::new(&area, COLUMNS, [false; 2], 9).smooth(&slope);
+        let kept = Smoother::new(&area, COLUMNS, 9).smooth(&slope);
         let off = |k: usize| if area[k] > 0.0 { (kept[k] - slope[k]).abs() } else { 0.0 };
         assert!((0..area.len()).all(|k| off(k) < 1e-8));
         let (parabola, middle) = (along(2), 30 * COLUMNS + 32);
-        assert!(
-            (Smoother::new(&area, COLUMNS, [false; 2], 5).smooth(&parabola)[middle] - parabola[middle]).abs() < 1e-8
-        );
-    }
-
-    /// A face with a mirror along each axis, and its density: the whole gives the same as the quarter.
-    #[test]
-    fn half_of_a_face_at_a_mirror_is_smoothed_as_the_whole() {
-        let (columns, rows) = (40, 24);
-        let fold = |k: usize, n: usize| k.min(2 * n - 1 - k);
-        let area = |k: usize| f64::from(u8::from(k % columns + 2 * (k / columns) >= 9));
-        let density = |k: usize| ((k * k) % 89) as f64;
-        for mirrors in [[true, true], [true, false], [false, true]] {
-            let whole = [columns << usize::from(mirrors[0]), rows << usize::from(mirrors[1])];
-            let from = |k: usize| fold(k / whole[0], rows) * columns + fold(k % whole[0], columns);
-            let unfolded = |value: &dyn Fn(usize) -> f64| (0..whole[0] * whole[1]).map(|k| value(from(k))).collect();
-            let (all, light): (Vec<f64>, Vec<f64>) = (unfolded(&area), unfolded(&density));
-            let part: Vec<f64> = (0..columns * rows).map(area).collect();
-            let own: Vec<f64> = (0..columns * rows).map(density).collect();
-            for width in [3, 9, 27] {
-                let expected = Smoother::new(&all, whole[0], [false; 2], width);
-                let found = Smoother::new(&part, columns, mirrors, width);
-                for (expected, found) in
-                    [(expected.smooth(&light), found.smooth(&own)), (expected.mean(&light), found.mean(&own))]
-                {
-                    for (k, value) in expected.iter().enumerate().filter(|(k, _)| all[*k] > 0.0) {
-                        assert!(
-                            (found[from(k)] - value).abs() < 1e-8,
-                            "{mirrors:?} {width}: {value} {}",
-                            found[from(k)]
-                        );
-                    }
-                }
-            }
-        }
+        assert!((Smoother::new(&area, COLUMNS, 5).smooth(&parabola)[middle] - parabola[middle]).abs() < 1e-8);
     }
 
     proptest! {
@@ -278,7 +213,7 @@ mod tests {
             let area = vec![1.0; COLUMNS * 50];
             let mut light = vec![0.0; area.len()];
             light[place] = 1.0;
-            let smooth = Smoother::new(&area, COLUMNS, [false; 2], width).smooth(&light);
+            let smooth = Smoother::new(&area, COLUMNS, width).smooth(&light);
             let reach = 6 * (width / 2) + 1;
             let far = |a: usize, b: usize| a.abs_diff(b) > reach;
             for (k, v) in smooth.iter().enumerate() {

@@ -89,3 +89,25 @@ fn gains_name_what_is_left_out_and_leave_the_image_as_it_is() {
     assert_eq!(gains.last().unwrap()["piece"], "all of these");
     assert!(text(&tirtouch(&["inspect", "preset:tsis-paper"]).stdout).contains("leaves out"));
 }
+
+/// What is pressed, and how.
+#[test]
+fn the_phantom_and_its_loads_are_listed() {
+    let output = tirtouch(&["inspect", "preset:phantom-size-8mm"]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    let said = text(&output.stdout);
+    for line in
+        ["phantom     5 kPa", "inclusion   8 mm across, 5 mm deep to its top, 120 kPa", "loads       to 1, 2, 4 mm"]
+    {
+        assert!(said.contains(line), "{line}: {said}");
+    }
+    let steps = "depths_mm = [1.0, 2.0, 4.0]";
+    let place = Place::new();
+    let lifted =
+        small("phantom-size-8mm").replace(steps, "step = [{ depth_mm = 0.5 }, { depth_mm = 0.25 }]");
+    let scene = place.write("scene.toml", &lifted);
+    let output = tirtouch_in(place.path(), &["inspect", &scene, "--json"]);
+    assert_eq!(json(&output)["truth"]["size_mm"], 8.0, "{output:?}");
+    let output = tirtouch_in(place.path(), &["inspect", &scene]);
+    assert!(text(&output.stdout).contains("to 0.5 mm; to 0.25 mm"), "{output:?}");
+}
