@@ -41,6 +41,13 @@ def command(out, *more):
     return [PROGRAM, "sweep", "run", "sweep.toml", "-o", out, "--backend", "cpu", "--quiet", *more]
 
 
+def disc():
+    """A small scene."""
+    text = (ROOT / "scenes/contact-disc.toml").read_text()
+    line = next(line for line in text.splitlines() if line.startswith("pixels = "))
+    return text.replace(line, "pixels = [64, 48]") + "\n[render]\nphotons = 131072\nspp = 32\nmap_texel_mm = 0.5\n"
+
+
 def items(folder):
     """Inode and time of each record: one that is written again has others."""
     found = {}
@@ -57,10 +64,7 @@ def main():
     arguments = parser.parse_args()
     draw = random.Random(arguments.seed)
     work = Path(tempfile.mkdtemp(prefix="tirtouch-kills-"))
-    text = (ROOT / "scenes/contact-disc.toml").read_text()
-    line = next(line for line in text.splitlines() if line.startswith("pixels = "))
-    scene = text.replace(line, "pixels = [64, 48]") + "\n[render]\nphotons = 131072\nspp = 32\nmap_texel_mm = 0.5\n"
-    (work / "disc.toml").write_text(scene)
+    (work / "disc.toml").write_text(disc())
     (work / "sweep.toml").write_text(SWEEP)
     start = time.monotonic()
     subprocess.run(command("whole"), cwd=work, check=True)

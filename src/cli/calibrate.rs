@@ -27,20 +27,24 @@ impl Calibrate {
         let parts = CalibrationFile::load(&self.calibration)?.calibrate;
         let name = self.calibration.file_stem().unwrap_or_default();
         let out = self.how.place_or(|| PathBuf::from("out").join(name));
-        let part = |part: &Path, name: &str| -> Result<Training, Failure> {
-            let folder = match part.is_dir() {
-                true => part.to_path_buf(),
-                false => {
-                    let folder = out.join(name);
-                    self.how.compute(&Sweep::load(part)?, &folder, folder.is_dir())?;
-                    folder
-                }
-            };
-            Ok(Training::read(&folder)?)
+        let mut whole = true;
+        let mut part = |part: &Path, name: &str| -> Result<PathBuf, Failure> {
+            if part.is_dir() {
+                return Ok(part.to_path_buf());
+            }
+            let folder = out.join(name);
+            whole &= self.how.part(&Sweep::load(part)?, &folder)?;
+            Ok(folder)
         };
         let design = part(&parts.design, "design")?;
         let leds = parts.leds.as_deref().map(|leds| part(leds, "leds")).transpose()?;
         let empty = parts.empty.as_deref().map(|empty| part(empty, "empty")).transpose()?;
+        if !whole {
+            return self.wait(&out);
+        }
+        let design = Training::read(&design)?;
+        let leds = leds.as_deref().map(Training::read).transpose()?;
+        let empty = empty.as_deref().map(Training::read).transpose()?;
         if !self.how.is_quiet() {
             note(&format!("learning from {} phantoms", design.points.len()));
         }
@@ -62,6 +66,19 @@ impl Calibrate {
                 design.points.len(),
                 model.scores(),
                 file.display()
+            ))?,
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// Says that others have points to compute yet.
+    fn wait(&self, out: &Path) -> Result<Outcome, Failure> {
+        let told = json!({"phantoms": null, "scores": null, "file": null});
+        match self.how.is_json() {
+            true => print(&described(told, Some(out)).to_string())?,
+            false => print(&format!(
+                "{}: not all points are there yet; the same command without --engine and --shard goes on, and learns",
+                out.display()
             ))?,
         }
         Ok(Outcome::Done)

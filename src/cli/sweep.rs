@@ -12,7 +12,7 @@ use crate::scene::open;
 use crate::sweep::slurm;
 use crate::sweep::{Options, Status, Sweep, SweepError, SweepFolderError, by_hand, run};
 use crate::trace::{Devices, Precision};
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum as _};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -213,7 +213,7 @@ impl How {
 
 impl How {
     /// Computes what a folder of a sweep lacks; gives its records, and how many points had ended before.
-    pub(super) fn compute(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<(Records, usize), Failure> {
+    fn compute(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<(Records, usize), Failure> {
         let devices = Devices::open(self.backend.choice(), Precision::F32)?;
         if let (Some(notice), false) = (devices.notice(), self.talk.quiet) {
             note(notice);
@@ -226,6 +226,19 @@ impl How {
         let session = Session::from(devices);
         watched(self.talk.quiet, |observe| run(sweep, &records, &session, options, observe))?;
         Ok((records, before))
+    }
+
+    /// Does for a part of a larger work what is asked for, here or by a job array; whether all its points have ended.
+    pub(super) fn part(&self, sweep: &Sweep, place: &Path) -> Result<bool, Failure> {
+        let records = match self.engine {
+            Engine::Local => self.compute(sweep, place, place.is_dir())?.0,
+            Engine::Slurm => {
+                let (records, job, sent) = self.job(sweep, place, place.is_dir())?;
+                note(&sent.unwrap_or_else(|| unsent(place, job.tasks)));
+                records
+            }
+        };
+        Ok(Status::of(sweep, &records).ended() >= sweep.plan.count())
     }
 
     /// The folder that was asked for, or another.
@@ -249,14 +262,27 @@ impl How {
         Ok(records)
     }
 
-    /// Makes the folder with a job for Slurm, and sends it where that is asked for.
-    fn send(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<Outcome, Failure> {
+    /// What each task of a job array is to be told of how points are computed.
+    fn of_tasks(&self) -> Vec<String> {
+        let backend = self.backend.to_possible_value().filter(|_| self.backend != Backend::default());
+        let backend = backend.map(|value| format!("--backend {}", value.get_name()));
+        let workers = self.workers.map(|workers| format!("--workers {workers}"));
+        let retry = self.retry.then(|| "--retry".to_owned());
+        [backend, workers, retry].into_iter().flatten().collect()
+    }
+
+    /// Makes the folder with a job for Slurm, and sends it where that is asked for: then also what Slurm says.
+    fn job(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<(Records, slurm::Job, Option<String>), Failure> {
         let records = self.records(sweep, place, resume)?;
-        let job = slurm::Job::write(sweep, &records, place, self.tasks)?;
-        let mut said = format!("{}: {} tasks; `sbatch job.sh` in it sends them", place.display(), job.tasks);
-        if self.submit {
-            said = format!("{}: {}", place.display(), job.submit()?);
-        }
+        let job = slurm::Job::write(sweep, &records, place, self.tasks, &self.of_tasks())?;
+        let sent = self.submit.then(|| job.submit().map(|said| format!("{}: {said}", place.display()))).transpose()?;
+        Ok((records, job, sent))
+    }
+
+    /// The same, and tells of it.
+    fn send(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<Outcome, Failure> {
+        let (records, job, sent) = self.job(sweep, place, resume)?;
+        let said = sent.unwrap_or_else(|| unsent(place, job.tasks));
         let status = Status::of(sweep, &records);
         let mut result = json!(status);
         (result["name"], result["tasks"], result["sent"]) = (json!(sweep.name), json!(job.tasks), json!(self.submit));
@@ -264,6 +290,10 @@ impl How {
         print(if self.talk.json { result.to_string() } else { said }.as_str())?;
         Ok(Outcome::Done)
     }
+}
+
+fn unsent(place: &Path, tasks: u32) -> String {
+    format!("{}: {tasks} tasks; `sbatch job.sh` in it sends them", place.display())
 }
 
 impl OfFolder {

@@ -5,6 +5,7 @@ use super::worker::{self, CLAIMS, WORKERS, Worker};
 use super::{Claim, Claimed, OutputError, RESULT, Remedy, SCENE};
 use crate::film::{Film, RADIANCE_UNIT};
 use crate::image_io::{ImageError, Provenance, read_radiance, write_radiance};
+use crate::scene::sha256;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -21,6 +22,9 @@ const TABLES: [&str; 9] =
     [SCENE, RESULT, "sweep.toml", "points.csv", "times.csv", "sensitivity.csv", "report.html", "README.md", "job.sh"];
 /// An image that is being written.
 const PARTIAL: &str = "partial";
+/// What stands before the SHA-256 of a record, and before the record.
+const SEAL: &str = "\"sha256\":\"";
+const RECORD: &str = "\",\"record\":";
 
 /// The folder.
 pub struct Records {
@@ -158,8 +162,9 @@ impl Records {
 
     /// What is kept of an item.
     pub fn item<T: DeserializeOwned>(&self, name: &str) -> Item<T> {
-        match std::fs::read(self.place(&format!("{name}.json"))) {
-            Ok(bytes) => serde_json::from_slice(&bytes).map_or(Item::Damaged, Item::There),
+        let name = format!("{name}.json");
+        match std::fs::read(self.place(&name)) {
+            Ok(bytes) => unsealed(&name, &bytes).map_or(Item::Damaged, Item::There),
             Err(_) => Item::Missing,
         }
     }
@@ -177,13 +182,13 @@ impl Records {
     }
 
     fn read_json<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
-        serde_json::from_slice(&std::fs::read(self.place(name)).ok()?).ok()
+        unsealed(name, &std::fs::read(self.place(name)).ok()?)
     }
 
     fn keep<T: Serialize>(&self, name: &str, value: &T) -> Result<(), OutputError> {
         let text =
             serde_json::to_string(value).map_err(|error| OutputError::failed(&self.place(name), error.to_string()))?;
-        self.write_at(&self.place(name), text.as_bytes())
+        self.write_at(&self.place(name), sealed(name, &text).as_bytes())
     }
 
     /// The item `name`: as it was kept, or made now and kept.
@@ -272,6 +277,19 @@ impl Records {
         };
         write().map(|_| ()).map_err(|error| unwritable(path, &error))
     }
+}
+
+/// A record with the SHA-256 of its name and its text: a bit that flipped in a figure, or another item's record, is still
+/// good JSON.
+fn sealed(name: &str, text: &str) -> String {
+    format!("{{{SEAL}{}{RECORD}{text}}}\n", sha256(format!("{name}\n{text}").as_bytes()))
+}
+
+/// What such a text holds; none where it is not as it was written.
+fn unsealed<T: DeserializeOwned>(name: &str, bytes: &[u8]) -> Option<T> {
+    let text = std::str::from_utf8(bytes).ok()?.strip_prefix('{')?.strip_prefix(SEAL)?.strip_suffix("}\n")?;
+    let (seal, text) = text.split_once(RECORD)?;
+    (seal == sha256(format!("{name}\n{text}").as_bytes())).then(|| serde_json::from_str(text).ok())?
 }
 
 /// Whether a folder holds nothing but an empty folder of items, and what a killed run was writing.
@@ -399,6 +417,29 @@ mod tests {
         let again = Records::open(&folder, &order, false, true).unwrap();
         assert_eq!(again.item_or("a", || Ok::<_, OutputError>(8)).unwrap(), 7);
         assert_eq!(again.item_or("b", || Ok::<_, OutputError>(9)).unwrap(), 9);
+    }
+
+    #[test]
+    fn what_is_not_as_it_was_written_is_damaged() {
+        let place = tempfile::tempdir().unwrap();
+        let records = Records::open(&place.path().join("kept"), &json!(1), false, false).unwrap();
+        let value = json!({"figure": 0.1234, "reason": "\",\"record\":"});
+        records.keep_item("a", &value).unwrap();
+        records.keep_item("b", &json!({"figure": 2})).unwrap();
+        assert_eq!(records.item("a"), Item::There(value));
+        let path = |name: &str| records.place(&format!("{name}.json"));
+        let body = std::fs::read(path("a")).unwrap();
+        for at in 0..body.len() {
+            let mut other = body.clone();
+            other[at] ^= 1;
+            std::fs::write(path("a"), other).unwrap();
+            assert_eq!(records.item::<Value>("a"), Item::Damaged, "{at}");
+            std::fs::write(path("a"), &body[..at]).unwrap();
+            assert_eq!(records.item::<Value>("a"), Item::Damaged, "cut at {at}");
+        }
+        std::fs::copy(path("b"), path("a")).unwrap();
+        assert_eq!(records.item::<Value>("a"), Item::Damaged, "another item's");
+        assert_eq!(records.item::<Value>("c"), Item::Missing);
     }
 
     #[test]

@@ -34,6 +34,7 @@ pub use data_file::DataFileError;
 pub use elastic::*;
 pub use error::SceneError;
 pub use ies::{IesTable, read_ies};
+pub(crate) use inputs::sha256;
 pub use inputs::{Input, Inputs};
 pub use load::{Loaded, LoadedScan, LoadedScene, load, load_alone, load_scan, parse, parse_scan};
 pub(crate) use load::{at_its_place, parse_file, read_text};

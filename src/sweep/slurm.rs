@@ -34,16 +34,22 @@ pub struct Job {
 }
 
 impl Job {
-    /// Writes `job.sh` of at most so many tasks.
+    /// Writes `job.sh` of at most so many tasks, whose programs get these flags.
     ///
     /// # Errors
     /// A script that cannot be written; a system that does not say where this program is.
-    pub fn write(sweep: &Sweep, records: &Records, place: &Path, tasks: u32) -> Result<Self, JobError> {
+    pub fn write(
+        sweep: &Sweep,
+        records: &Records,
+        place: &Path,
+        tasks: u32,
+        flags: &[String],
+    ) -> Result<Self, JobError> {
         let failed = |what: &'static str| move |error| JobError::System { what, error };
         let program = std::env::current_exe().map_err(failed("this program's place"))?;
         let folder = std::path::absolute(place).map_err(failed("the folder's place"))?;
         let tasks = tasks.min(u32::try_from(sweep.plan.count()).unwrap_or(u32::MAX));
-        records.write("job.sh", &job(&sweep.name, &program, &folder, tasks))?;
+        records.write("job.sh", &job(&sweep.name, &program, &folder, tasks, flags))?;
         Ok(Self { tasks, folder })
     }
 
@@ -60,10 +66,11 @@ impl Job {
 }
 
 /// The job's script. Each of `tasks` tasks computes its part of the points of `folder`, whose order is there already.
-fn job(name: &str, program: &Path, folder: &Path, tasks: u32) -> String {
+fn job(name: &str, program: &Path, folder: &Path, tasks: u32, flags: &[String]) -> String {
     let plain: String = name.chars().filter(|c| c.is_ascii_alphanumeric() || "-_.".contains(*c)).collect();
     let quoted = |path: &Path| format!("'{}'", path.display().to_string().replace('\'', "'\\''"));
     let (program, folder) = (quoted(program), quoted(folder));
+    let flags: String = flags.iter().map(|flag| format!(" {flag}")).collect();
     format!(
         "#!/bin/bash\n\
          #SBATCH --job-name=tirtouch-{plain}\n\
@@ -72,7 +79,7 @@ fn job(name: &str, program: &Path, folder: &Path, tasks: u32) -> String {
          #SBATCH --open-mode=append\n\
          #SBATCH --output=job-%a.log\n\
          # Sent again (sbatch job.sh, in this folder), it computes what is missing.\n\
-         exec {program} sweep run {folder} --shard \"$SLURM_ARRAY_TASK_ID/{tasks}\" --quiet \"$@\"\n"
+         exec {program} sweep run {folder} --shard \"$SLURM_ARRAY_TASK_ID/{tasks}\" --quiet{flags} \"$@\"\n"
     )
 }
 
@@ -82,8 +89,10 @@ mod tests {
 
     #[test]
     fn paths_are_quoted_and_names_are_plain() {
-        let script = job("a b'; rm", Path::new("/opt/it's/tirtouch"), Path::new("/tmp/out put"), 8);
+        let script =
+            job("a b'; rm", Path::new("/opt/it's/tirtouch"), Path::new("/tmp/out put"), 8, &["--retry".into()]);
         assert!(script.contains("--job-name=tirtouch-abrm\n"), "{script}");
         assert!(script.contains("exec '/opt/it'\\''s/tirtouch' sweep run '/tmp/out put' --shard"), "{script}");
+        assert!(script.contains(" --quiet --retry \"$@\"\n"), "{script}");
     }
 }

@@ -103,8 +103,7 @@ fn the_phantom_and_its_loads_are_listed() {
     }
     let steps = "depths_mm = [1.0, 2.0, 4.0]";
     let place = Place::new();
-    let lifted =
-        small("phantom-size-8mm").replace(steps, "step = [{ depth_mm = 0.5 }, { depth_mm = 0.25 }]");
+    let lifted = small("phantom-size-8mm").replace(steps, "step = [{ depth_mm = 0.5 }, { depth_mm = 0.25 }]");
     let scene = place.write("scene.toml", &lifted);
     let output = tirtouch_in(place.path(), &["inspect", &scene, "--json"]);
     assert_eq!(json(&output)["truth"]["size_mm"], 8.0, "{output:?}");

@@ -319,7 +319,7 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
 /// A stand-in for Slurm's `sbatch`: runs every task of the array, one after the other, the second one twice.
 #[cfg(unix)]
 const SBATCH: &str = "#!/bin/bash\nn=$(sed -n 's/^#SBATCH --array=1-//p' \"$1\")\nfor k in $(seq $n) 2; do\n\
-                      SLURM_ARRAY_TASK_ID=$k bash \"$1\" --backend cpu || exit 1\ndone\necho Submitted batch job 7\n";
+                      SLURM_ARRAY_TASK_ID=$k bash \"$1\" || exit 1\ndone\necho Submitted batch job 7\n";
 
 #[cfg(unix)]
 #[test]
@@ -333,6 +333,7 @@ fn a_job_array_ends_with_the_same_bytes_as_this_machine() {
     let send = |flags: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tirtouch"));
         command.args(["sweep", "run", "sweep.toml", "--engine", "slurm", "--tasks", "3", "--json"]).args(flags);
+        command.args(["--backend", "cpu"]);
         command.env("PATH", &path).current_dir(place.path()).output().unwrap()
     };
     let output = send(&["-o", "array", "--submit"]);
@@ -354,4 +355,25 @@ fn a_job_array_ends_with_the_same_bytes_as_this_machine() {
     let refused = send(&["-o", "refused", "--submit"]);
     assert_eq!(code(&refused), 3);
     assert!(one_line(&refused).contains("invalid partition"), "{refused:?}");
+}
+
+/// Part of the points is not learnt from: that waits for the others.
+#[test]
+fn a_calibration_in_parts_waits_for_all() {
+    let place = place();
+    place.write("cal.toml", "[calibrate]\ndesign = \"sweep.toml\"\n");
+    let calibrate = |flags: &[&str]| {
+        let all: Vec<&str> =
+            ["calibrate", "cal.toml", "--backend", "cpu", "--quiet"].iter().chain(flags).copied().collect();
+        tirtouch_in(place.path(), &all)
+    };
+    for part in ["1/2", "2/2"] {
+        let output = calibrate(&["--shard", part, "--json"]);
+        let waits = part == "1/2";
+        assert_eq!(code(&output), if waits { 0 } else { 2 }, "{output:?}");
+        assert!(!waits || json(&output)["file"].is_null(), "{output:?}");
+    }
+    // All are there, and hold no images to learn from.
+    assert!(one_line(&calibrate(&[])).contains("out/cal/design"));
+    assert_eq!(items(&place, "out/cal/design").len(), 8, "six points, and two that make no scene");
 }

@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""Does a sweep through Slurm end like one on this machine, though workers are killed?
+
+    cargo build --release && benches/sweeps/slurm.sh FOLDER 2 && SLURM_CONF=FOLDER/slurm.conf \\
+        python3 benches/sweeps/slurm.py [--rounds 10] [--seed 1]
+
+Runs the sweep of kills.py on this machine, then in each round as a job array of four tasks. At random times one task's
+program is killed (`kill -9`), another's job is sent back to the queue (`scontrol requeue`, as where it is preempted),
+and the array is sent anew until all points are there. The table of `sweep collect` is to be that of this machine, byte
+by byte, and no record that was there after a kill is to be written again.
+"""
+
+import argparse
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from kills import PROGRAM, SWEEP, command, disc, items
+
+
+def said(*words, cwd=None):
+    return subprocess.run(words, cwd=cwd, check=True, capture_output=True, text=True).stdout
+
+
+def tasks(state):
+    """Jobs of the queue in a state, as squeue knows them."""
+    return said("squeue", "-h", "-r", "-t", state, "-o", "%A %a").split("\n")[:-1]
+
+
+def programs(folder):
+    """Processes that compute points of a folder."""
+    found = []
+    for place in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            words = place.read_bytes().split(b"\0")
+        except OSError:
+            continue
+        if b"--shard" in words and str(folder).encode() in words:
+            found.append(int(place.parent.name))
+    return found
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--rounds", type=int, default=10)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    draw = random.Random(arguments.seed)
+    work = Path(tempfile.mkdtemp(prefix="tirtouch-slurm-"))
+    (work / "disc.toml").write_text(disc())
+    (work / "sweep.toml").write_text(SWEEP)
+    start = time.monotonic()
+    subprocess.run(command("whole"), cwd=work, check=True)
+    each = (time.monotonic() - start) / 24
+    whole = (work / "whole/points.csv").read_bytes()
+    equal = killed = requeued = sent = twice = 0
+    for number in range(arguments.rounds):
+        folder = work / f"sent-{number}"
+        subprocess.run(
+            command(folder.name, "--engine", "slurm", "--tasks", "4", "--submit"), cwd=work, check=True,
+            stdout=subprocess.DEVNULL,
+        )
+        sent += 1
+        kept, faults = {}, ["kill", "requeue"]
+        while True:
+            time.sleep(draw.uniform(0.2, 6 * each))
+            running = programs(folder)
+            if faults and running:
+                fault = faults.pop(0)
+                if fault == "kill":
+                    os.kill(draw.choice(running), signal.SIGKILL)
+                    killed += 1
+                elif jobs := tasks("R"):
+                    said("scontrol", "requeue", draw.choice(jobs).split()[0])
+                    requeued += 1
+                now = items(folder)
+                twice += sum(now.get(name) != mark for name, mark in kept.items())
+                kept = now
+            if not said("squeue", "-h", "-r"):
+                status = json.loads(said(PROGRAM, "sweep", "status", folder, "--json"))
+                if status["done"] == 24:
+                    break
+                said("sbatch", "job.sh", cwd=folder)
+                sent += 1
+        now = items(folder)
+        twice += sum(now.get(name) != mark for name, mark in kept.items())
+        subprocess.run([PROGRAM, "sweep", "collect", folder], check=True, stdout=subprocess.DEVNULL)
+        equal += (folder / "points.csv").read_bytes() == whole
+    print(f"{arguments.rounds} sweeps by Slurm, {sent} arrays sent, {killed} programs killed, {requeued} jobs requeued")
+    print(f"{equal} final tables equal that of one machine byte by byte; {twice} records written twice")
+    sys.exit(equal != arguments.rounds or twice > 0)
+
+
+if __name__ == "__main__":
+    main()
