@@ -116,7 +116,8 @@ def main():
                 ROWS.append((f"record {number}", False, done.returncode, done.stderr.strip()))
         table = (WORK / "records/points.csv").read_bytes()
         if table != whole:
-            ROWS.append((f"record {number} ({['cut', 'a bit', 'empty', 'another'][fault]})", False, done.returncode, "another table"))
+            what = ["cut", "a bit", "empty", "another"][fault]
+            ROWS.append((f"record {number} ({what})", False, done.returncode, "another table"))
             victim.unlink(missing_ok=True)
             run("records", "--resume")
     ROWS.append(("40 damaged records", not any(row[0].startswith("record ") for row in ROWS), 0, "-"))
@@ -124,7 +125,8 @@ def main():
     # Another sweep on the same folder.
     (WORK / "sweep.toml").write_text(SWEEP.replace("values = [3, 4]", "values = [3, 5]"))
     done = run("whole", "--resume")
-    ROWS.append(("another sweep", done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1, done.returncode, done.stderr.strip()))
+    said = done.stderr.strip()
+    ROWS.append(("another sweep", done.returncode == 2 and len(said.splitlines()) == 1, done.returncode, said))
 
     for case, good, code, line in ROWS:
         print(f"{'ok ' if good else 'BAD'} {case}: exit {code}: {line.replace(str(WORK), '')[:160]}")
