@@ -2,7 +2,7 @@
 
 use super::{State, Sweep};
 use crate::camera::noise::PixelRandom;
-use crate::image_io::write_png_grey;
+use crate::image_io::{write_npy, write_png_grey};
 use crate::mechanics::mesh::{InclusionShape, Star};
 use crate::output::{OutputError, Records};
 use crate::pipeline::{Shot, view_of};
@@ -39,6 +39,8 @@ pub enum Format {
     Png,
     /// Radiance with its variance, W/(m^2 sr).
     Exr,
+    /// Radiance, W/(m^2 sr), as an array of NumPy's: (rows, columns), 32-bit floats.
+    Npy,
 }
 
 /// Which loads are kept.
@@ -83,6 +85,7 @@ impl Images {
         match self.format {
             Format::Png => "png",
             Format::Exr => "exr",
+            Format::Npy => "npy",
         }
     }
 
@@ -127,6 +130,7 @@ impl Images {
         records.write_with(&format!("{}/{file}", self.split(row)), |path| match self.format {
             Format::Png => shot.frame.write_png(path),
             Format::Exr => shot.write_radiance(path, "tirtouch sweep"),
+            Format::Npy => write_npy(path, shot.outcome.film.width, &shot.outcome.film.mean),
         })
     }
 

@@ -316,6 +316,18 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
     assert_eq!(code(&run(&place, "set", &["--force"])), 0);
 }
 
+#[test]
+fn a_data_set_of_arrays_is_as_large_as_its_images() {
+    let place = place();
+    let text = SWEEP.replacen("[sweep]\n", "[sweep]\nimages = { format = \"npy\" }\n", 1);
+    place.write("sweep.toml", &text);
+    assert_eq!(code(&run(&place, "set", &[])), 0);
+    let bytes = std::fs::read(place.path().join("set/train/0000000.npy")).unwrap();
+    let [columns, rows] = tirtouch::scene::load(&place.path().join("disc.toml")).unwrap().scene.camera.pixels;
+    assert_eq!(bytes.len(), 128 + 4 * (columns * rows) as usize);
+    assert!(bytes[128..].chunks_exact(4).any(|v| f32::from_le_bytes(v.try_into().unwrap()) > 0.0));
+}
+
 /// A stand-in for Slurm's `sbatch`: runs every task of the array, one after the other, the second one twice.
 #[cfg(unix)]
 const SBATCH: &str = "#!/bin/bash\nn=$(sed -n 's/^#SBATCH --array=1-//p' \"$1\")\nfor k in $(seq $n) 2; do\n\

@@ -78,6 +78,7 @@ pub fn card(sweep: &Sweep, images: &Images, records: &Records) -> String {
     let [width, height] = scene.camera.pixels;
     let what = match images.format {
         Format::Png => format!("{} grey levels of the camera", 1u32 << scene.camera.sensor.bit_depth),
+        Format::Npy => "radiance, W/(m^2 sr), arrays of NumPy's (rows, columns), 32-bit float".into(),
         Format::Exr => "radiance with its variance, W/(m^2 sr), linear, 32-bit float".into(),
     };
     let loads = match images.loads {
