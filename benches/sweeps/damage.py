@@ -13,7 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from kills import PROGRAM, SWEEP, command, disc
+from kills import SWEEP, command, whole
 
 WORK = Path(tempfile.mkdtemp(prefix="tirtouch-damage-"))
 ROWS = []
@@ -30,21 +30,18 @@ def mounted(name, options):
     return place
 
 
-def judged(case, done, codes, whole, folder, *more):
+def judged(case, done, codes, expected, folder, *more):
     """One line, the right exit code, and the same table in the end."""
     lines = done.stderr.strip().splitlines()
     told = done.returncode in codes and (len(lines) <= 1)
     again = run(folder, "--resume", *more)
     table = WORK / folder / "points.csv"
-    same = table.exists() and table.read_bytes() == whole
+    same = table.exists() and table.read_bytes() == expected
     ROWS.append((case, told and again.returncode == 0 and same, done.returncode, lines[-1] if lines else "-"))
 
 
 def main():
-    (WORK / "disc.toml").write_text(disc())
-    (WORK / "sweep.toml").write_text(SWEEP)
-    assert run("whole").returncode == 0
-    whole = (WORK / "whole/points.csv").read_bytes()
+    table, _ = whole(WORK)
 
     # So full that some records fit and others do not; then there is room.
     for kib in (24, 48, 64, 80, 100, 112, 124):
@@ -55,14 +52,14 @@ def main():
         fresh = [] if (place / "out/items/order.json").exists() else ["--force"]
         if fresh:
             run(f"{name}/out", *fresh)
-        judged(f"disk of {kib} KiB", done, (0, 3) if kib > 100 else (3,), whole, f"{name}/out")
+        judged(f"disk of {kib} KiB", done, (0, 3) if kib > 100 else (3,), table, f"{name}/out")
         subprocess.run(["umount", place], check=True)
 
     # Files run out before bytes do.
     place = mounted("inodes", "size=16m,nr_inodes=20")
     done = run("inodes/out")
     subprocess.run(["mount", "-o", "remount,nr_inodes=1000", place], check=True)
-    judged("file system of 20 files", done, (3,), whole, "inodes/out")
+    judged("file system of 20 files", done, (3,), table, "inodes/out")
     subprocess.run(["umount", place], check=True)
 
     # Nothing can be written: before the sweep, and from its middle on.
@@ -71,13 +68,13 @@ def main():
     done = run("closed/out")
     subprocess.run(["mount", "-o", "remount,rw", place], check=True)
     run("closed/out")
-    judged("read-only folder", done, (2, 3), whole, "closed/out")
+    judged("read-only folder", done, (2, 3), table, "closed/out")
     for record in sorted((place / "out/items").glob("0*.json"))[5:]:
         record.unlink()
     subprocess.run(["mount", "-o", "remount,ro", place], check=True)
     done = run("closed/out", "--resume")
     subprocess.run(["mount", "-o", "remount,rw", place], check=True)
-    judged("read-only from the sixth point on", done, (2, 3), whole, "closed/out")
+    judged("read-only from the sixth point on", done, (2, 3), table, "closed/out")
     subprocess.run(["umount", place], check=True)
 
     # A clock set back by a day, and by forty years, between and during runs.
@@ -87,7 +84,7 @@ def main():
         for record in sorted((WORK / name / "items").glob("0*.json"))[::2]:
             record.unlink()
         done = run(name, "--resume", before=("faketime", "-f", moved))
-        judged(f"clock {case}", done, (0,), whole, name)
+        judged(f"clock {case}", done, (0,), table, name)
 
     # Records cut short, changed, emptied, and of another point.
     draw = random.Random(1)
@@ -114,8 +111,8 @@ def main():
             run("records", "--resume")
             if not named:
                 ROWS.append((f"record {number}", False, done.returncode, done.stderr.strip()))
-        table = (WORK / "records/points.csv").read_bytes()
-        if table != whole:
+        found = (WORK / "records/points.csv").read_bytes()
+        if found != table:
             what = ["cut", "a bit", "empty", "another"][fault]
             ROWS.append((f"record {number} ({what})", False, done.returncode, "another table"))
             victim.unlink(missing_ok=True)

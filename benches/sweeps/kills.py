@@ -48,6 +48,15 @@ def disc():
     return text.replace(line, "pixels = [64, 48]") + "\n[render]\nphotons = 131072\nspp = 32\nmap_texel_mm = 0.5\n"
 
 
+def whole(work):
+    """Writes the sweep to a folder and runs it there: its table, and the seconds that it took."""
+    (work / "disc.toml").write_text(disc())
+    (work / "sweep.toml").write_text(SWEEP)
+    start = time.monotonic()
+    subprocess.run(command("whole"), cwd=work, check=True, stdout=subprocess.DEVNULL)
+    return (work / "whole/points.csv").read_bytes(), time.monotonic() - start
+
+
 def items(folder):
     """Inode and time of each record: one that is written again has others."""
     found = {}
@@ -64,12 +73,7 @@ def main():
     arguments = parser.parse_args()
     draw = random.Random(arguments.seed)
     work = Path(tempfile.mkdtemp(prefix="tirtouch-kills-"))
-    (work / "disc.toml").write_text(disc())
-    (work / "sweep.toml").write_text(SWEEP)
-    start = time.monotonic()
-    subprocess.run(command("whole"), cwd=work, check=True)
-    whole_seconds = time.monotonic() - start
-    whole = (work / "whole/points.csv").read_bytes()
+    table, whole_seconds = whole(work)
 
     kills, folders, twice, wrong, done_at_kill = 0, 0, 0, 0, []
     while kills < arguments.kills:
@@ -99,7 +103,7 @@ def main():
                 print(f"a run ended with {codes}", file=sys.stderr)
                 wrong += 1
                 break
-        if (out / "points.csv").read_bytes() != whole:
+        if (out / "points.csv").read_bytes() != table:
             wrong += 1
     print(f"{kills} kills in {folders} folders; records written again: {twice}; tables or ends that differ: {wrong}")
     print(f"points there at the kills: {min(done_at_kill)} to {max(done_at_kill)} of 24")

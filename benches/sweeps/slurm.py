@@ -21,7 +21,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from kills import PROGRAM, SWEEP, command, disc, items
+from kills import PROGRAM, command, items, whole
 
 
 def said(*words, cwd=None):
@@ -53,12 +53,7 @@ def main():
     arguments = parser.parse_args()
     draw = random.Random(arguments.seed)
     work = Path(tempfile.mkdtemp(prefix="tirtouch-slurm-"))
-    (work / "disc.toml").write_text(disc())
-    (work / "sweep.toml").write_text(SWEEP)
-    start = time.monotonic()
-    subprocess.run(command("whole"), cwd=work, check=True)
-    each = (time.monotonic() - start) / 24
-    whole = (work / "whole/points.csv").read_bytes()
+    table, seconds = whole(work)
     equal = killed = requeued = sent = twice = 0
     for number in range(arguments.rounds):
         folder = work / f"sent-{number}"
@@ -69,7 +64,7 @@ def main():
         sent += 1
         kept, faults = {}, ["kill", "requeue"]
         while True:
-            time.sleep(draw.uniform(0.2, 6 * each))
+            time.sleep(draw.uniform(0.2, seconds / 4))
             running = programs(folder)
             if faults and running:
                 fault = faults.pop(0)
@@ -91,7 +86,7 @@ def main():
         now = items(folder)
         twice += sum(now.get(name) != mark for name, mark in kept.items())
         subprocess.run([PROGRAM, "sweep", "collect", folder], check=True, stdout=subprocess.DEVNULL)
-        equal += (folder / "points.csv").read_bytes() == whole
+        equal += (folder / "points.csv").read_bytes() == table
     print(f"{arguments.rounds} sweeps by Slurm, {sent} arrays sent, {killed} programs killed, {requeued} jobs requeued")
     print(f"{equal} final tables equal that of one machine byte by byte; {twice} records written twice")
     sys.exit(equal != arguments.rounds or twice > 0)
