@@ -5,8 +5,8 @@
 
 Renders one scene with many seeds, as a sweep over `render.seed`, and prints for each figure how many intervals hold the
 mean over all seeds, with the interval of Clopper and Pearson, and the claimed over the true spread. `disc` is
-`contact-disc`, `phantom` the pressed `phantom-size-8mm`, `null` the same with an inclusion of the tissue's own material,
-where the signal of the inclusion is to hold 0. Needs scipy.
+`contact-disc`, `phantom` the pressed `phantom-size-8mm`, `null` the same with an inclusion of the tissue's own
+material, where the signal of the inclusion is to hold 0. Needs scipy.
 """
 
 import argparse
@@ -33,7 +33,8 @@ SMALL_PHANTOM = {
     "exposure_ms = 0.7": "exposure_ms = 0.0133",
     "depths_mm = [1.0, 2.0, 4.0]": "depths_mm = [2.0]\nresolution = 0.5\nestimate_error = false",
 }
-SAME = {'material = { law = "neo_hookean", youngs_kpa = 120.0 }': 'material = { law = "neo_hookean", youngs_kpa = 5.0 }'}
+LUMP = 'material = { law = "neo_hookean", youngs_kpa = 120.0 }'
+SAME = {LUMP: LUMP.replace("120.0", "5.0")}
 LIGHT = ["mean_radiance", "contrast", "unevenness", "trapped", "escaped", "absorbed", "paper"]
 CASES = {
     "disc": ("contact-disc", SMALL_DISC, LIGHT, 65_536),

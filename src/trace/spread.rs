@@ -7,9 +7,9 @@
 //! two directions (`scatter.rs`): a is in Phi and in rho, which then mixes both. Photons could draw each such step; the
 //! convolution, by Fourier transforms, adds no noise and takes most of what Phi has (docs/decisions/spreading.md).
 //!
-//! B is a series. Half of the largest rho, m, is the same everywhere and is summed by the transform itself: with G = a p
-//! / (1 - m a p), B = G * (Phi + (rho - m) B); beyond the map, too, -m is taken off. Of the phantoms' tissue 14 terms
-//! become 8. In f32, of light over its largest: camera paths read the map so.
+//! B is a series. Half of the largest rho, m, is the same everywhere and is summed by the transform itself: with
+//! G = a p / (1 - m a p), B = G * (Phi + (rho - m) B); beyond the map, too, -m is taken off. Of the phantoms' tissue 14
+//! terms become 8. In f32, of light over its largest: camera paths read the map so.
 
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
