@@ -43,6 +43,7 @@ pub mod scene;
 pub mod stability;
 pub mod statistics;
 pub mod streams;
+pub mod study;
 pub mod surface;
 pub mod sweep;
 pub mod trace;

@@ -29,54 +29,73 @@ const SEED: u32 = 1;
 impl FrameModel {
     /// What frames say of the inclusion.
     pub fn estimates(&self, frames: &Frames) -> Estimates {
-        let undefined = |why: String| Estimates {
+        self.inverted(frames).0
+    }
+
+    /// The same, and what is known of all unknowns where the frames are those of a phantom.
+    pub fn inverted(&self, frames: &Frames) -> (Estimates, Option<Posterior>) {
+        match self.posterior(frames) {
+            Err(why) => (Self::nothing(why), None),
+            Ok((told, posterior)) => (self.said(&told, &posterior), Some(posterior)),
+        }
+    }
+
+    fn nothing(why: String) -> Estimates {
+        Estimates {
             size_mm: Value::undefined(why.clone()),
             depth_mm: Value::undefined(why.clone()),
             youngs_kpa: Value::undefined(why.clone()),
             detected: Detected::Undefined { undefined: why },
-        };
-        let seen = match self.seen(frames) {
-            Ok(seen) => seen,
-            Err(why) => return undefined(why),
-        };
-        let Some(told) = self.learnt.told(&seen) else {
-            return undefined("too few parts of the frames can be read: they are saturated or dark".into());
-        };
+        }
+    }
+
+    /// What frames tell of the scores, and of the unknowns.
+    ///
+    /// # Errors
+    /// Says why the frames are not those of a phantom that the calibration knows.
+    fn posterior(&self, frames: &Frames) -> Result<(Told, Posterior), String> {
+        let seen = self.seen(frames)?;
+        let told = self.learnt.told(&seen);
+        let told = told.ok_or("too few parts of the frames can be read: they are saturated or dark")?;
         if told.noise_factor > NOISIEST {
-            return undefined(format!(
+            return Err(format!(
                 "the frames are not like those that the calibration knows: what it does not explain is {:.0} times \
                  as strong as noise",
                 told.noise_factor.sqrt()
             ));
         }
-        let Ok(posterior) = self.learnt.scored.posterior(&told, SEED) else {
-            return undefined("the calibration cannot be inverted".into());
-        };
+        let posterior = self.learnt.scored.posterior(&told, SEED);
+        let posterior = posterior.map_err(|_| "the calibration cannot be inverted")?;
         let nuisances = self.learnt.off(&seen, &posterior.scores).unwrap_or_default();
         let off = self.learnt.nuisances.iter().zip(&nuisances).find(|(_, off)| off.abs() > MOST_OFF);
         if let Some((nuisance, off)) = off {
-            return undefined(format!(
-                "the frames differ from what the calibration allows: {} would be {} % off; compare power, exposure, black \
-                 level and bits",
+            return Err(format!(
+                "the frames differ from what the calibration allows: {} would be {} % off; compare power, exposure, \
+                 black level and bits",
                 nuisance.name,
                 short(100.0 * LED_SPREAD * off)
             ));
         }
         // As many degrees of freedom as scores: on the safe side, for the unknowns take some.
         if chance(posterior.misfit, self.scores() as f64) < LEAST_CHANCE {
-            return undefined(format!(
+            return Err(format!(
                 "no phantom that the calibration knows gives these frames (sum of squares {} for {} scores)",
                 short(posterior.misfit),
                 self.scores()
             ));
         }
-        let detected = self.detected(&told, &posterior);
+        Ok((told, posterior))
+    }
+
+    /// What is said of the inclusion.
+    fn said(&self, told: &Told, posterior: &Posterior) -> Estimates {
+        let detected = self.detected(told, posterior);
         if detected == Detected::Known(false) {
             let none = || Value::undefined("no inclusion is told from none");
             return Estimates { size_mm: none(), depth_mm: none(), youngs_kpa: none(), detected };
         }
         let of = |role: Role| match self.roles.iter().position(|one| *one == role) {
-            Some(k) => self.value(&posterior, k),
+            Some(k) => self.value(posterior, k),
             None => Value::undefined("the calibration does not vary it"),
         };
         Estimates { size_mm: of(Role::Size), depth_mm: of(Role::Depth), youngs_kpa: of(Role::Youngs), detected }

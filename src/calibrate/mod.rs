@@ -6,15 +6,18 @@
 //! size, depth and modulus of the inclusion with intervals, all else integrated away, or "undefined" with the reason.
 
 mod blocks;
+mod bound;
 mod estimates;
 mod file;
 mod frames;
 mod model;
+mod reader;
 mod ready;
 mod suits;
 mod training;
 
 pub use blocks::Blocks;
+pub use bound::{Bounds, Inclusion, Limits, Protocol};
 pub use file::{CalibrationFile, Parts};
 pub use frames::Frames;
 pub use model::FrameModel;

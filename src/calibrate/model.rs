@@ -2,7 +2,7 @@
 
 use super::{Blocks, CalibrateError, Training};
 use crate::infer::{Learnt, Nuisance, Scored, Unknown};
-use crate::scene::{Camera, DepthTo, Input, LoadedScene, parse};
+use crate::scene::{Camera, DepthTo, Input, LoadedScene, SceneError, parse};
 use crate::vary::Vary;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -134,13 +134,22 @@ impl FrameModel {
         Self::parse(&text, file)
     }
 
+    /// The sensor's camera, as its scene has it, and the wavelength of its light, nm.
+    ///
+    /// # Errors
+    /// A scene that is none.
+    pub fn own_camera(&self) -> Result<(Camera, f64), SceneError> {
+        let scene = parse(&self.scene, Path::new("calibration"))?.scene;
+        Ok((scene.camera, scene.light.wavelength_nm))
+    }
+
     /// The sensor's camera, read with so many pixels; none where they do not fill its sensor.
     pub fn camera(&self, pixels: [u32; 2]) -> Option<(Camera, f64)> {
-        let scene = parse(&self.scene, Path::new("calibration")).ok()?.scene;
-        let [columns, rows] = scene.camera.pixels;
+        let (camera, wavelength_nm) = self.own_camera().ok()?;
+        let [columns, rows] = camera.pixels;
         let even = u64::from(columns) * u64::from(pixels[1]) == u64::from(rows) * u64::from(pixels[0]);
-        let pixel_pitch_um = scene.camera.pixel_pitch_um * f64::from(columns) / f64::from(pixels[0].max(1));
-        even.then(|| (Camera { pixels, pixel_pitch_um, ..scene.camera.clone() }, scene.light.wavelength_nm))
+        let pixel_pitch_um = camera.pixel_pitch_um * f64::from(columns) / f64::from(pixels[0].max(1));
+        even.then_some((Camera { pixels, pixel_pitch_um, ..camera }, wavelength_nm))
     }
 
     /// Reads a calibration.
@@ -161,6 +170,12 @@ impl FrameModel {
             true => Ok(model),
             false => Err(wrong("its parts do not fit together".into())),
         }
+    }
+
+    /// Which unknown is the size (0), the depth (1) or the modulus (2) of the inclusion.
+    pub fn unknown(&self, figure: usize) -> Option<usize> {
+        let role = [Role::Size, Role::Depth, Role::Youngs].get(figure)?;
+        self.roles.iter().position(|one| one == role)
     }
 
     /// Numbers by which frames are told apart.

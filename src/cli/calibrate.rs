@@ -1,10 +1,13 @@
 //! `calibrate`: learn what a sensor's frames say of an inclusion.
 
 use super::command::described;
+use super::flags::positive;
 use super::sweep::How;
-use super::{Failure, Outcome, note, print};
-use crate::calibrate::{CalibrateError, CalibrationFile, FrameModel, Training};
-use crate::sweep::Sweep;
+use super::{Failure, Outcome, cancel, note, print};
+use crate::calibrate::{CalibrateError, CalibrationFile, FrameModel, Inclusion, Limits, Protocol, Training};
+use crate::figure::Figure;
+use crate::output::write_whole;
+use crate::pages::bound::{self, Row};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -16,30 +19,37 @@ const FILE: &str = "calibration.json";
 /// --calibration` and `run --calibration` read frames by it.
 #[derive(Debug, Args)]
 pub(super) struct Calibrate {
-    /// Calibration file: the sweeps to learn from.
+    /// Calibration file: the sweeps to learn from; with --bound what was learnt (JSON).
     calibration: PathBuf,
+    /// Print how well size, depth and modulus can be known at best by a calibration's frames: the Cramér-Rao bound.
+    #[arg(long)]
+    bound: bool,
+    /// Frames at each load of the calibration, as in 1,1,8 [default: one at each].
+    #[arg(long, value_name = "N,N..", value_delimiter = ',', requires = "bound")]
+    frames: Vec<u32>,
+    /// Exposure of the frames, ms [default: for each inclusion the longest that saturates nothing].
+    #[arg(long, value_name = "MS", requires = "bound", value_parser = positive, allow_negative_numbers = true)]
+    exposure_ms: Option<f64>,
+    /// Bits of a grey level [default: the scene's].
+    #[arg(long, value_name = "BITS", requires = "bound", value_parser = clap::value_parser!(u32).range(8..=16), allow_negative_numbers = true)]
+    bits: Option<u32>,
     #[command(flatten)]
     how: How,
 }
 
 impl Calibrate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        if self.bound {
+            return self.bounds();
+        }
         let parts = CalibrationFile::load(&self.calibration)?.calibrate;
         let name = self.calibration.file_stem().unwrap_or_default();
         let out = self.how.place_or(|| PathBuf::from("out").join(name));
-        let mut whole = true;
-        let mut part = |part: &Path, name: &str| -> Result<PathBuf, Failure> {
-            if part.is_dir() {
-                return Ok(part.to_path_buf());
-            }
-            let folder = out.join(name);
-            whole &= self.how.part(&Sweep::load(part)?, &folder)?;
-            Ok(folder)
-        };
-        let design = part(&parts.design, "design")?;
-        let leds = parts.leds.as_deref().map(|leds| part(leds, "leds")).transpose()?;
-        let empty = parts.empty.as_deref().map(|empty| part(empty, "empty")).transpose()?;
-        if !whole {
+        let mut work = self.how.parts(&out);
+        let design = work.part(&parts.design, "design")?;
+        let leds = parts.leds.as_deref().map(|leds| work.part(leds, "leds")).transpose()?;
+        let empty = parts.empty.as_deref().map(|empty| work.part(empty, "empty")).transpose()?;
+        if !work.is_whole {
             return self.wait(&out);
         }
         let design = Training::read(&design)?;
@@ -49,15 +59,11 @@ impl Calibrate {
             note(&format!("learning from {} phantoms", design.points.len()));
         }
         let model = FrameModel::learn(&design, leds.as_ref(), empty.as_ref())?;
-        let failed = |error: &dyn std::fmt::Display| Failure::failed(format!("{}: {error}", out.display()));
-        std::fs::create_dir_all(&out).map_err(|error| failed(&error))?;
-        let text = serde_json::to_string(&model).map_err(|error| failed(&error))?;
         let file = out.join(FILE);
+        let text = serde_json::to_string(&model);
+        let text = text.map_err(|error| Failure::failed(format!("{}: {error}", file.display())))?;
         FrameModel::parse(&text, &file)?;
-        // There in whole or not at all.
-        let partial = out.join(format!("{FILE}.partial"));
-        std::fs::write(&partial, text + "\n").map_err(|error| failed(&error))?;
-        std::fs::rename(&partial, &file).map_err(|error| failed(&error))?;
+        write_whole(&file, &format!("{text}\n"))?;
         let told = json!({"phantoms": design.points.len(), "scores": model.scores(), "file": file});
         match self.how.is_json() {
             true => print(&described(told, Some(&out)).to_string())?,
@@ -67,6 +73,34 @@ impl Calibrate {
                 model.scores(),
                 file.display()
             ))?,
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// Bounds by the calibration, for inclusions over its range.
+    fn bounds(&self) -> Result<Outcome, Failure> {
+        let model = FrameModel::load(&self.calibration)?;
+        let frames = if self.frames.is_empty() { vec![1; model.depths_mm.len()] } else { self.frames.clone() };
+        if frames.len() != model.depths_mm.len() {
+            let loads = model.depths_mm.len();
+            return Err(Failure::usage(format!(
+                "--frames: give {loads} numbers, one for each load of the calibration"
+            )));
+        }
+        let (mut camera, wavelength_nm) = model.own_camera()?;
+        camera.sensor.bit_depth = self.bits.unwrap_or(camera.sensor.bit_depth);
+        let protocol = Protocol { camera, wavelength_nm, exposure_ms: self.exposure_ms, frames };
+        let limits = Limits::of(&model)?;
+        let row = |inclusion: Inclusion| {
+            cancel::check()?;
+            let of = |whole| limits.bounds(&inclusion, &protocol, whole).map_or_else(Figure::undefined, Figure::Known);
+            Ok(Row { inclusion, frames: of(false), calibrated: of(true) })
+        };
+        let rows = model.some_inclusions().into_iter().map(row).collect::<Result<Vec<_>, Failure>>()?;
+        let told = json!({"depths_mm": model.depths_mm, "frames": protocol.frames, "bounds": rows});
+        match self.how.is_json() {
+            true => print(&described(told, None).to_string())?,
+            false => print(&bound::text(&rows))?,
         }
         Ok(Outcome::Done)
     }

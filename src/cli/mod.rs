@@ -27,6 +27,7 @@ mod render;
 mod run;
 mod schema;
 mod stability;
+mod study;
 mod sweep;
 mod usage;
 
@@ -64,6 +65,7 @@ enum Command {
     Stability(stability::Stability),
     Sweep(sweep::SweepCommand),
     Calibrate(calibrate::Calibrate),
+    Study(study::Study),
     Inspect(inspect::Inspect),
     Schema(schema::Schema),
 }
@@ -83,6 +85,7 @@ impl Command {
             Self::Stability(stability) => stability.run(),
             Self::Sweep(sweep) => sweep.run(),
             Self::Calibrate(calibrate) => calibrate.run(),
+            Self::Study(study) => study.run(),
             Self::Inspect(inspect) => inspect.run(),
             Self::Schema(schema) => schema.run(),
         }

@@ -100,6 +100,26 @@ pub(super) struct How {
     talk: Talk,
 }
 
+/// The sweeps of a larger work.
+pub(super) struct Parts<'a> {
+    how: &'a How,
+    out: &'a Path,
+    /// Whether all points of all parts have ended.
+    pub is_whole: bool,
+}
+
+impl Parts<'_> {
+    /// The folder of a part: one of a sweep that is there, or one of this name in which the sweep file is computed.
+    pub fn part(&mut self, part: &Path, name: &str) -> Result<PathBuf, Failure> {
+        if part.is_dir() {
+            return Ok(part.to_path_buf());
+        }
+        let folder = self.out.join(name);
+        self.is_whole &= self.how.part(&Sweep::load(part)?, &folder)?;
+        Ok(folder)
+    }
+}
+
 /// A folder with records.
 #[derive(Debug, Args)]
 struct OfFolder {
@@ -228,8 +248,13 @@ impl How {
         Ok((records, before))
     }
 
+    /// The sweeps of a larger work, in folders of `out`.
+    pub(super) fn parts<'a>(&'a self, out: &'a Path) -> Parts<'a> {
+        Parts { how: self, out, is_whole: true }
+    }
+
     /// Does for a part of a larger work what is asked for, here or by a job array; whether all its points have ended.
-    pub(super) fn part(&self, sweep: &Sweep, place: &Path) -> Result<bool, Failure> {
+    fn part(&self, sweep: &Sweep, place: &Path) -> Result<bool, Failure> {
         let records = match self.engine {
             Engine::Local => self.compute(sweep, place, place.is_dir())?.0,
             Engine::Slurm => {

@@ -213,7 +213,45 @@ pub struct Variances<'a> {
     trend: Mat<f64>,
 }
 
+/// Slopes of a function along every variable, as a process knows them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slopes {
+    /// The slopes.
+    pub values: Vec<f64>,
+    /// Their covariance.
+    pub covariance: Mat<f64>,
+}
+
 impl Variances<'_> {
+    /// Slopes at a place. The covariance of slopes f_i, f_j is a^2 / l_i^2 where i = j, else 0; that of f_i with the
+    /// value at a point p is a^2 exp(-r^2 / 2) (p_i - x_i) / l_i^2 (Rasmussen and Williams 2006, section 9.4).
+    pub fn slopes(&self, place: &[f64]) -> Slopes {
+        let process = self.process;
+        let place = process.placed(place);
+        let (square, lengths) = (process.amplitude().powi(2), process.lengths());
+        let (n, d) = (process.points.len(), place.len());
+        let near: Vec<f64> = process.points.iter().map(|p| square * correlation(p, &place, &lengths)).collect();
+        let with = Mat::from_fn(n, d, |k, i| near[k] * (process.points[k][i] - place[i]) / lengths[i].powi(2));
+        let monomials = trend::slopes(&place);
+        let of_trend = Mat::from_fn(monomials.len(), d, |k, i| monomials[k][i]);
+        let mut known = with.clone();
+        solve_lower_triangular_in_place(self.factor.L(), known.as_mut(), Par::Seq);
+        let known = known.transpose() * &known;
+        let beyond = &of_trend - self.shared.transpose() * &with;
+        let trend = beyond.transpose() * &self.trend * &beyond;
+        let unit = |i: usize| process.scale[1] * 2.0 / (process.bounds[i][1] - process.bounds[i][0]);
+        let value = |i: usize| {
+            let near: f64 = (0..n).map(|k| process.weights[k] * with[(k, i)]).sum();
+            let trend: f64 = (0..monomials.len()).map(|k| process.beta[k] * of_trend[(k, i)]).sum();
+            unit(i) * (near + trend)
+        };
+        let covariance = Mat::from_fn(d, d, |i, j| {
+            let own = if i == j { square / lengths[i].powi(2) } else { 0.0 };
+            unit(i) * unit(j) * (own - known[(i, j)] + trend[(i, j)])
+        });
+        Slopes { values: (0..d).map(value).collect(), covariance }
+    }
+
     /// Variance of the predicted value at a place, without the noise of a new one.
     pub fn at(&self, place: &[f64]) -> f64 {
         let process = self.process;

@@ -84,11 +84,17 @@ fn what_cannot_be_fitted_is_said() {
     assert!((process.value(&[0.3; 4]) - 2.0).abs() < 1e-9);
 }
 
-/// Sums of waves of 1 to 6 variables, with noise of 1e-4 to 0.1: none fails, and intervals of 95 % hold nine tenths of
-/// the places, in few variables and with little noise too.
-#[test]
-fn random_functions_are_found_within_their_errors() {
-    let function = |case: u32| {
+/// A sum of waves of 1 to 6 variables, with values at points whose noise is 1e-4 to 0.1.
+struct Waves {
+    d: usize,
+    waves: Vec<(Vec<f64>, f64, f64)>,
+    points: Vec<Vec<f64>>,
+    places: Vec<Vec<f64>>,
+    values: Vec<f64>,
+}
+
+impl Waves {
+    fn new(case: u32) -> Self {
         let mut random = PixelRandom::new(case, 9);
         let d = 1 + (random.uniform() * 6.0) as usize;
         let n = 2 * trend::terms(d) + 10 + (random.uniform() * 60.0) as usize;
@@ -98,24 +104,78 @@ fn random_functions_are_found_within_their_errors() {
             (slopes, 6.3 * random.uniform(), random.normal())
         };
         let waves: Vec<(Vec<f64>, f64, f64)> = (0..4).map(|_| wave()).collect();
-        let value = |x: &[f64]| -> f64 {
-            let phase = |slopes: &[f64]| slopes.iter().zip(x).map(|(k, x)| k * x).sum::<f64>();
-            waves.iter().map(|(slopes, start, height)| height * (phase(slopes) + start).sin()).sum()
-        };
         let mut place = || -> Vec<f64> { (0..d).map(|_| 2.0 * random.uniform() - 1.0).collect() };
         let (points, places): (Vec<_>, Vec<_>) =
             ((0..n).map(|_| place()).collect(), (0..40).map(|_| place()).collect());
-        let values: Vec<f64> = points.iter().map(|point: &Vec<f64>| value(point) + noise * random.normal()).collect();
-        let process = GaussianProcess::fit(&points, &values).unwrap();
+        let mut found = Self { d, waves, points, places, values: Vec::new() };
+        found.values = found.points.iter().map(|point| found.value(point) + noise * random.normal()).collect();
+        found
+    }
+
+    fn phase(&self, slopes: &[f64], x: &[f64]) -> f64 {
+        slopes.iter().zip(x).map(|(k, x)| k * x).sum()
+    }
+
+    fn value(&self, x: &[f64]) -> f64 {
+        self.waves.iter().map(|(slopes, start, height)| height * (self.phase(slopes, x) + start).sin()).sum()
+    }
+
+    fn slope(&self, x: &[f64], i: usize) -> f64 {
+        let of =
+            |(slopes, start, height): &(Vec<f64>, f64, f64)| height * slopes[i] * (self.phase(slopes, x) + start).cos();
+        self.waves.iter().map(of).sum()
+    }
+}
+
+/// Of random functions none fails, and intervals of 95 % hold nine tenths of the places, in few variables and with
+/// little noise too; those of slopes as well.
+#[test]
+fn random_functions_are_found_within_their_errors() {
+    let function = |case: u32| {
+        let waves = Waves::new(case);
+        let process = GaussianProcess::fit(&waves.points, &waves.values).unwrap();
         let variances = process.variances().unwrap();
-        let holds = |place: &&Vec<f64>| (process.value(place) - value(place)).powi(2) < 3.84 * variances.at(place);
-        places.iter().filter(holds).count()
+        let holds =
+            |place: &&Vec<f64>| (process.value(place) - waves.value(place)).powi(2) < 3.84 * variances.at(place);
+        let slopes = waves.places.iter().map(|place| {
+            let told = variances.slopes(place);
+            let off = |i: usize| (told.values[i] - waves.slope(place, i)).powi(2) / told.covariance[(i, i)];
+            (0..waves.d).filter(|&i| off(i) < 3.84).count()
+        });
+        (waves.places.iter().filter(holds).count(), slopes.sum::<usize>() as f64 / waves.d as f64)
     };
-    let held: Vec<usize> = (0..100).map(function).collect();
-    let all = held.iter().sum::<usize>() as f64 / 4000.0;
+    let held: Vec<(usize, f64)> = (0..100).map(function).collect();
+    let all = held.iter().map(|held| held.0).sum::<usize>() as f64 / 4000.0;
     // 92 % of 400 such functions. By the inverse of the covariance 87 %, and in 55 of them a place without variance.
     assert!((0.88..0.97).contains(&all), "{all}");
+    let slopes = held.iter().map(|held| held.1).sum::<f64>() / 4000.0;
+    assert!((0.88..0.97).contains(&slopes), "{slopes}");
     // Places of one function share errors: few are held by half only.
-    let poor = held.iter().filter(|held| **held < 20).count();
+    let poor = held.iter().filter(|held| held.0 < 20).count();
     assert!(poor <= 3, "{poor}");
+}
+
+/// Slopes are those of the value, by differences; in other units, too.
+#[test]
+fn slopes_are_those_of_the_value() {
+    let stretched = |place: &Vec<f64>| place.iter().zip([3.0, 0.2, 50.0, 1.0]).map(|(x, by)| 7.0 + by * x).collect();
+    let unit = places(90, 21);
+    let points: Vec<Vec<f64>> = unit.iter().map(stretched).collect();
+    let process = GaussianProcess::fit(&points, &values(&unit, wavy, 22)).unwrap();
+    let variances = process.variances().unwrap();
+    for place in places(10, 23).iter().map(stretched) {
+        let place: Vec<f64> = place;
+        let told = variances.slopes(&place);
+        for (i, by) in [3.0, 0.2, 50.0, 1.0].into_iter().enumerate() {
+            let moved = |step: f64| {
+                let mut moved = place.clone();
+                moved[i] += step;
+                process.value(&moved)
+            };
+            let step = 1e-4 * by;
+            let slope = (moved(step) - moved(-step)) / (2.0 * step);
+            assert!((told.values[i] - slope).abs() * by < 1e-6, "{i}: {} {slope}", told.values[i]);
+            assert!(told.covariance[(i, i)] > 0.0);
+        }
+    }
 }

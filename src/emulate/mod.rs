@@ -4,4 +4,4 @@ pub mod components;
 pub mod gaussian_process;
 mod trend;
 pub use components::Components;
-pub use gaussian_process::{FitError, GaussianProcess, Predicted, Variances};
+pub use gaussian_process::{FitError, GaussianProcess, Predicted, Slopes, Variances};

@@ -15,3 +15,16 @@ pub(super) fn monomials(place: &[f64]) -> Vec<f64> {
     }
     all
 }
+
+/// Slopes of the monomials at a place: of each, one along every variable.
+pub(super) fn slopes(place: &[f64]) -> Vec<Vec<f64>> {
+    let d = place.len();
+    let along = |i: usize| (0..d).map(move |k| if k == i { 1.0 } else { 0.0 });
+    let mut all = Vec::with_capacity(terms(d));
+    all.push(vec![0.0; d]);
+    all.extend((0..d).map(|i| along(i).collect()));
+    for i in 0..d {
+        all.extend((i..d).map(|j| along(i).zip(along(j)).map(|(a, b)| a * place[j] + b * place[i]).collect()));
+    }
+    all
+}

@@ -154,6 +154,15 @@ impl Learnt {
         Ok(Scored { unknowns, processes, variances })
     }
 
+    /// The vector of logarithms of light that has these scores.
+    pub fn vector(&self, scores: &[f64]) -> Vec<f64> {
+        let mut vector = self.mean.clone();
+        for (direction, score) in self.directions.iter().zip(scores) {
+            vector.iter_mut().zip(direction).for_each(|(v, d)| *v += score * d);
+        }
+        vector.iter().zip(&self.weights).map(|(v, weight)| v / weight).collect()
+    }
+
     /// Whether all parts are of vectors of one length, and scores of these directions.
     pub fn is_whole(&self, length: usize) -> bool {
         let nuisances = self.nuisances.iter().map(|nuisance| &nuisance.change);

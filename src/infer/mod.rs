@@ -4,6 +4,7 @@
 //! points, frames --Learnt::from--> Learnt;   frames --told--> Told (scores) --posterior--> Posterior
 //! ```
 
+mod bound;
 mod ensemble;
 mod learnt;
 mod posterior;

@@ -26,7 +26,7 @@ const EACH: usize = 5;
 /// Degrees of freedom of the scores' tails.
 pub const TAILS: f64 = 6.0;
 /// What the covariance is widened by.
-const WIDENED: f64 = 1.4;
+const WIDENED: f64 = 1.8;
 
 /// What is known of the unknowns after frames were seen.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,6 +119,12 @@ impl Scored {
 }
 
 impl Posterior {
+    /// Share of the draws in which an unknown is below a value; none without draws.
+    pub fn below(&self, unknown: usize, value: f64) -> Option<f64> {
+        let below = self.draws.iter().filter(|draw| draw.get(unknown).is_some_and(|drawn| *drawn < value)).count();
+        (!self.draws.is_empty()).then(|| below as f64 / self.draws.len() as f64)
+    }
+
     /// Quantile of an unknown.
     pub fn quantile(&self, unknown: usize, share: f64) -> f64 {
         let mut values: Vec<f64> = self.draws.iter().filter_map(|draw| draw.get(unknown).copied()).collect();

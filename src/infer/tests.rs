@@ -1,5 +1,9 @@
 use super::*;
 use crate::camera::noise::PixelRandom;
+use crate::emulate::Slopes;
+use crate::estimate::Value;
+use faer::linalg::solvers::{DenseSolveCore as _, Llt};
+use faer::{Mat, Side};
 use rayon::prelude::*;
 
 const LENGTH: usize = 600;
@@ -103,4 +107,54 @@ fn frames_without_enough_elements_tell_nothing() {
     let learnt = learnt(0.0);
     let values = (0..LENGTH).map(|i| (i < 30).then_some(0.0)).collect();
     assert_eq!(learnt.told(&Seen { values, variances: vec![0.0; LENGTH] }), None);
+}
+
+/// The bound by slopes that are known: of the light itself, as the scores see it.
+fn true_bound(learnt: &Learnt, place: &[f64], told: &Told, stretch: f64) -> Vec<f64> {
+    let score = |place: &[f64]| -> Vec<f64> {
+        let weighted: Vec<f64> = light(place).iter().zip(&learnt.weights).map(|(v, weight)| v * weight).collect();
+        learnt.directions.iter().map(|one| one.iter().zip(&weighted).map(|(d, v)| d * v).sum()).collect()
+    };
+    let slope = |i: usize| -> Vec<f64> {
+        let moved = |step: f64| {
+            score(&place.iter().enumerate().map(|(k, x)| x + if k == i { step } else { 0.0 }).collect::<Vec<_>>())
+        };
+        moved(1e-4).iter().zip(moved(-1e-4)).map(|(high, low)| stretch * (high - low) / 2e-4).collect()
+    };
+    let slopes = [slope(0), slope(1), slope(2)];
+    let slopes = Mat::from_fn(learnt.directions.len(), 3, |k, i| slopes[i][k]);
+    let inverse = |of: &Mat<f64>| Llt::new(of.as_ref(), Side::Lower).unwrap().inverse();
+    let mut information = slopes.transpose() * (inverse(&told.covariance) * &slopes);
+    // The brightness is integrated away: uniform from -0.3 to 0.3.
+    information[(2, 2)] += 12.0 / 0.36;
+    let least = inverse(&information);
+    (0..3).map(|i| least[(i, i)].sqrt()).collect()
+}
+
+/// Bounds hold those by the light's own slopes, and slopes half as steep show.
+#[test]
+fn bounds_hold_what_the_lights_own_slopes_say() {
+    let learnt = learnt(0.0);
+    let variances = learnt.scored.variances_of_scores().unwrap();
+    let case = |case: u32| {
+        let mut random = PixelRandom::new(13, case);
+        let place = drawn(&mut random);
+        let values = learnt.vector(&learnt.scored.at(&place)).into_iter().map(Some).collect();
+        let told = learnt.told(&Seen { values, variances: vec![0.002f64.powi(2); LENGTH] }).unwrap();
+        let slopes: Vec<Slopes> = variances.iter().map(|one| one.slopes(&place)).collect();
+        let bounds = learnt.scored.bound(&slopes, &told.covariance, &[false, false, true]).unwrap();
+        let held = |stretch: f64| {
+            let held =
+                bounds.iter().zip(true_bound(&learnt, &place, &told, stretch)).take(2).filter(|(bound, truth)| {
+                    let Value::Known { low, high, .. } = bound else { return false };
+                    (*low..=*high).contains(truth)
+                });
+            held.count()
+        };
+        [held(1.0), held(0.5)]
+    };
+    let all: Vec<[usize; 2]> = (0..CASES).into_par_iter().map(case).collect();
+    let held = [0, 1].map(|k| all.iter().map(|held| held[k]).sum::<usize>());
+    // Of 80.
+    assert!(held[0] >= 64 && held[1] < 40, "{held:?}");
 }

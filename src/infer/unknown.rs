@@ -56,6 +56,14 @@ impl Prior {
         }
     }
 
+    /// What a small change of the coordinate is of the unknown, as a share.
+    pub fn relative(&self, value: f64) -> f64 {
+        match self {
+            Self::LogUniform { .. } => 1.0,
+            Self::Uniform { .. } => 1.0 / value.abs(),
+        }
+    }
+
     /// Whether a coordinate lies within the bounds, where all are as likely.
     pub fn holds(&self, coordinate: f64) -> bool {
         let [low, high] = self.bounds();

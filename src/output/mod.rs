@@ -15,5 +15,5 @@ pub use claim::Claim;
 pub use contents::{RESULT, SCENE, described};
 pub use error::{OutputError, Remedy};
 pub use folder::{Finished, OutputFolder};
-pub use records::{Item, Records};
+pub use records::{Item, Records, write_whole};
 pub use worker::Claimed;

@@ -268,15 +268,30 @@ impl Records {
     }
 
     fn write_at(&self, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-        let _whole = leftovers();
-        let write = || {
-            let mut file = whole_file().tempfile_in(&self.folder)?;
-            file.write_all(bytes)?;
-            file.as_file().sync_all()?;
-            file.persist(path).map_err(|error| error.error)
-        };
-        write().map(|_| ()).map_err(|error| unwritable(path, &error))
+        write_by(&self.folder, path, bytes)
     }
+}
+
+/// Writes a file that is there whole or not at all; its folder is made.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn write_whole(path: &Path, text: &str) -> Result<(), OutputError> {
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+    write_by(folder, path, text.as_bytes())
+}
+
+/// The same by way of a file in a folder of the same file system.
+fn write_by(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    let _whole = leftovers();
+    let write = || {
+        let mut file = whole_file().tempfile_in(folder)?;
+        file.write_all(bytes)?;
+        file.as_file().sync_all()?;
+        file.persist(path).map_err(|error| error.error)
+    };
+    write().map(|_| ()).map_err(|error| unwritable(path, &error))
 }
 
 /// A record with the SHA-256 of its name and its text: a bit that flipped in a figure, or another item's record, is still

@@ -2,6 +2,7 @@
 //!
 //! The command line prints and writes them; `report` draws. Nothing here knows of flags or terminals.
 
+pub mod bound;
 pub mod comparison;
 pub mod converge;
 pub mod difference;
@@ -19,6 +20,7 @@ pub mod run;
 pub mod shot;
 mod side;
 pub mod stability;
+pub mod study;
 pub mod sweep;
 pub mod truth;
 

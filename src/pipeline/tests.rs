@@ -3,7 +3,7 @@
 
 use super::{Order, PipelineError, Prepared, Session};
 use crate::mechanics::press::Pressed;
-use crate::scene::{LoadedScene, preset};
+use crate::scene::{Integrator, LoadedScene, Render, preset};
 use crate::streams::{Sharing, Streams};
 use crate::trace::{BackendChoice, Devices, Precision, Settings, TraceError};
 use std::sync::Arc;
@@ -196,4 +196,25 @@ fn a_press_stops_when_it_is_told_once() {
         assert!(matches!(stopped, Err(PipelineError::Press(_))), "{at} of {all}");
         assert_eq!(asked, at);
     }
+}
+
+/// Without smoothing a map is as noisy as its photons; with it, quieter, of the same light.
+#[test]
+fn a_map_may_be_left_unsmoothed() {
+    let render = |map_smoothing| {
+        let mut loaded = coarse("press-hertz");
+        let render = loaded.scene.render.clone();
+        loaded.scene.render = Render { integrator: Integrator::Map, map_texel_mm: 0.25, map_smoothing, ..render };
+        let mut session = session();
+        let prepared = reseeded(&prepared(&mut session, loaded), 1, Sharing::Own);
+        session.shoot(&prepared, &mut |_| true).unwrap().outcome
+    };
+    let (raw, smooth) = (render(false), render(true));
+    assert_eq!(raw.smoothing.unwrap().widths, [1, 1]);
+    assert!(smooth.smoothing.unwrap().widths.iter().any(|width| *width > 1));
+    let sum = |values: &[f32]| values.iter().map(|v| f64::from(*v)).sum::<f64>();
+    let [noisy, quiet] = [&raw, &smooth].map(|outcome| sum(&outcome.film.variance));
+    assert!(noisy > 2.0 * quiet, "{noisy:e} {quiet:e}");
+    let [one, other] = [&raw, &smooth].map(|outcome| sum(&outcome.film.mean));
+    assert!((one / other - 1.0).abs() < 0.02, "{one} {other}");
 }

@@ -93,6 +93,9 @@ pub struct Render {
     pub photons: Option<u64>,
     /// Edge of a texel of the irradiance map, mm. The default keeps its bias below the noise (docs/decisions).
     pub map_texel_mm: f64,
+    /// Whether the irradiance map is smoothed. That leaves little noise, and a bias that is small beside it but that all
+    /// renders of a scene share: where many images are averaged, or learnt from, leave it out.
+    pub map_smoothing: bool,
     /// Control points along the longer side of a deformed interface held as a height field.
     pub height_field_points: u32,
     /// Seed of all random numbers.
@@ -106,6 +109,7 @@ impl Default for Render {
             spp: 64,
             photons: None,
             map_texel_mm: 0.125,
+            map_smoothing: true,
             height_field_points: 256,
             seed: 1,
         }

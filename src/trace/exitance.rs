@@ -53,6 +53,8 @@ pub struct TouchedFace {
     /// Whether each of the maps is read: some of the face is in true contact, and some not.
     seen: [bool; 2],
     after: After,
+    /// Whether its maps are smoothed.
+    smoothed: bool,
 }
 
 /// What becomes of the light that enters.
@@ -126,7 +128,8 @@ impl TouchedFace {
         let uniform = model.tissue.as_ref().filter(|tissue| tissue.grid.is_empty()).map(|tissue| tissue.share);
         let both = model.tissue.as_ref().is_some_and(|tissue| tissue.scatter.is_half_space());
         let seen = [both || uniform != Some(0.0), both || uniform != Some(1.0)];
-        Self { columns, unit: model.power / DEPOSIT_UNIT, area, texel_area, seen, after }
+        let smoothed = model.map_smoothing;
+        Self { columns, unit: model.power / DEPOSIT_UNIT, area, texel_area, seen, after, smoothed }
     }
 
     /// Turns deposits of `sent` photons into light per area, beside light found without photons.
@@ -202,7 +205,7 @@ impl TouchedFace {
     /// Chooses the smoothing from the maps of independent replicates.
     pub fn choose(&self, maps: &[ContactLight]) -> Smoothing {
         let groups = GROUPS.min(maps.len());
-        if groups < 3 {
+        if groups < 3 || !self.smoothed {
             return Smoothing::default();
         }
         let smoothers = Smoothers::new(&self.area, self.columns);

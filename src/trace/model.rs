@@ -215,6 +215,8 @@ pub struct Model<T> {
     pub camera: Camera<T>,
     /// Texels of the irradiance map along x and y.
     pub map_size: [usize; 2],
+    /// Whether it is smoothed.
+    pub map_smoothing: bool,
     /// Radiance that one unit of the film stands for, W/(m^2 sr).
     pub unit_radiance: f64,
     /// Power of all LEDs in units of `unit_radiance` times mm^2.
@@ -315,6 +317,7 @@ impl Model<f64> {
                 focus: of(self.camera.focus),
             },
             map_size: self.map_size,
+            map_smoothing: self.map_smoothing,
             unit_radiance: self.unit_radiance,
             power: self.power,
             aimed_share: self.aimed_share,

@@ -50,6 +50,7 @@ impl Model<f64> {
             tissue,
             camera: camera(&scene.camera),
             map_size: scene.stack.footprint_mm.map(texels),
+            map_smoothing: scene.render.map_smoothing,
             unit_radiance: lit.unit_radiance,
             power: lit.power,
             aimed_share,

@@ -89,3 +89,88 @@ fn a_calibration_of_another_sensor_or_of_nothing_is_said() {
         tirtouch_in(place.path(), &["estimate", "image.txt", "--calibration", "longer.json", "--depths-mm", "1"]);
     assert_eq!(code(&output), 2, "{output:?}");
 }
+
+/// Two phantoms, one of them hardly there, of a sweep in the scene's own folder.
+fn small_study(place: &Place) {
+    let base = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/calibrations/sensor.toml");
+    place.write("sensor.toml", &std::fs::read_to_string(base).unwrap());
+    let sweep = |extra: &str| {
+        format!(
+            "[sweep]\nscene = \"sensor.toml\"\ndesign = {{ kind = \"grid\" }}\n\
+             images = {{ format = \"exr\", loads = \"all\" }}\n\
+             [[vary]]\nkey = \"render.photons\"\nfixed = 60000\n\
+             [[vary]]\nkey = \"press.resolution\"\nfixed = 0.5\n{extra}\n[[measure]]\nkind = \"force\"\n"
+        )
+    };
+    let sizes = "[[vary]]\nkey = \"phantom.inclusion[0].shape.diameter_mm\"\nvalues = [8.0, 10.0]";
+    place.write("phantoms.toml", &sweep(sizes));
+    place.write("empty.toml", &sweep("[[vary]]\nkey = \"phantom.inclusion[0].material.youngs_kpa\"\nvalues = [5.0]"));
+    let study = format!(
+        "[study]\ncalibration = \"{CALIBRATION}\"\nphantoms = \"phantoms.toml\"\nempty = \"empty.toml\"\n\
+         exposure_ms = 0.0778\nexposures = 2\n"
+    );
+    place.write("study.toml", &study);
+}
+
+#[test]
+fn a_study_tells_true_against_estimated() {
+    let place = Place::new();
+    small_study(&place);
+    let study =
+        |more: &[&str]| tirtouch_in(place.path(), &[&["study", "study.toml", "--json", "--quiet"], more].concat());
+    let output = study(&[]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    let said = json(&output);
+    assert_eq!((&said["phantoms"], &said["empty"]), (&2.into(), &1.into()), "{said}");
+    let [size, depth, youngs] = ["size_mm", "depth_mm", "youngs_kpa"].map(|name| {
+        let quantities = said["quantities"].as_array().unwrap();
+        quantities.iter().find(|one| one["name"] == name).unwrap().clone()
+    });
+    for quantity in [&size, &depth, &youngs] {
+        let undefined: u64 =
+            quantity["reasons"].as_array().unwrap().iter().map(|one| one["phantoms"].as_u64().unwrap()).sum();
+        assert_eq!(quantity["known"].as_u64().unwrap() + undefined, 2, "{quantity}");
+        assert!(quantity["ranks"]["undefined"].is_string(), "two phantoms have no histogram: {quantity}");
+    }
+    let out = place.path().join("out/study");
+    let table = std::fs::read_to_string(out.join("estimates.csv")).unwrap();
+    assert_eq!(table.lines().count(), 1 + 3 * 2, "{table}");
+    assert!(table.starts_with("sweep,row,exposure,true_size_mm,true_depth_mm,true_youngs_kpa,"), "{table}");
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert_eq!(page.contains("Estimated against true size"), size["known"] != 0);
+    // What is there is not computed again, and says the same.
+    assert_eq!(json(&study(&[]))["quantities"], said["quantities"]);
+
+    let broken = |text: &str, why: &str| {
+        place.write("broken.toml", text);
+        let output = tirtouch_in(place.path(), &["study", "broken.toml"]);
+        assert_eq!(code(&output), 2, "{output:?}");
+        assert!(one_line(&output).contains(why), "{output:?}");
+    };
+    broken("[study]\nphantoms = \"phantoms.toml\"\nexposures = 0\n", "study.exposures");
+    broken("[study]\nphantoms = \"phantoms.toml\"\nexposure_ms = -1.0\n", "study.exposure_ms");
+    broken("[study]\nphantoms = \"phantoms.toml\"\ncalibration = \"none.json\"\n", "none.json");
+    broken("[study]\nphantom = \"phantoms.toml\"\n", "phantom");
+}
+
+#[test]
+fn bounds_of_a_protocol_fall_with_its_frames() {
+    let place = Place::new();
+    let bound = |more: &[&str]| {
+        tirtouch_in(place.path(), &[&["calibrate", CALIBRATION, "--bound", "--json", "--quiet"], more].concat())
+    };
+    let of = |more: &[&str]| -> Vec<serde_json::Value> {
+        let output = bound(more);
+        assert_eq!(code(&output), 0, "{output:?}");
+        json(&output)["bounds"].as_array().unwrap().clone()
+    };
+    let (one, many, dim) = (of(&[]), of(&["--frames", "8,8,8"]), of(&["--exposure-ms", "0.01"]));
+    assert_eq!(one.len(), 27);
+    let size = |row: &serde_json::Value, of: &str| row[of]["size"]["value"].as_f64().unwrap();
+    for ((one, many), dim) in one.iter().zip(&many).zip(&dim) {
+        assert!(size(one, "frames") > size(many, "frames") && size(one, "frames") < size(one, "calibrated"), "{one}");
+        assert!(dim["frames"]["undefined"].is_string() || size(dim, "frames") > size(one, "frames"), "{dim}");
+    }
+    assert_eq!(code(&bound(&["--frames", "1,1"])), 2);
+    assert_eq!(code(&tirtouch_in(place.path(), &["calibrate", CALIBRATION, "--frames", "1,1,1"])), 2);
+}

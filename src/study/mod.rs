@@ -1,0 +1,51 @@
+//! Studies: true against estimated, for hundreds of phantoms that a calibration was not learnt from.
+//!
+//! Sweeps press and trace the phantoms and keep the radiance of each load; [`trials`] exposes it with the camera's noise
+//! and inverts the frames by the calibration; [`Summary`] says how far off estimates are and how often intervals hold.
+
+mod file;
+mod summary;
+mod trial;
+
+pub use file::{Parts, StudyFile};
+pub use summary::{Group, Quantity, Reason, Summary, Told};
+pub use trial::{How, Trial, trials};
+
+use crate::camera::ExposureError;
+use crate::estimate::GreyImageError;
+use crate::image_io::ImageError;
+use crate::mechanics::press::PressError;
+use crate::statistics::StatisticsError;
+use crate::sweep::SweepFolderError;
+use std::path::PathBuf;
+
+/// Why there is no study.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// A folder that is none of a sweep.
+    #[error(transparent)]
+    Folder(#[from] SweepFolderError),
+    /// A sweep that is not of phantoms that the calibration reads.
+    #[error("{}: {why}", .folder.display())]
+    Unsuited {
+        /// Its folder.
+        folder: PathBuf,
+        /// Why.
+        why: String,
+    },
+    /// An image that cannot be read.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// A camera that makes no sense.
+    #[error(transparent)]
+    Exposure(#[from] ExposureError),
+    /// A frame that is none.
+    #[error(transparent)]
+    Frame(#[from] GreyImageError),
+    /// A phantom that makes no sense.
+    #[error(transparent)]
+    Phantom(#[from] PressError),
+    /// Numbers that no statistic can be made of.
+    #[error(transparent)]
+    Statistics(#[from] StatisticsError),
+}

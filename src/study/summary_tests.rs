@@ -1,0 +1,92 @@
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+use crate::camera::noise::PixelRandom;
+
+/// Estimates of known spread whose intervals are `stretch` times as wide as they should be.
+fn made_up(count: usize, stretch: f64) -> Vec<Trial> {
+    let mut random = PixelRandom::new(5, 0);
+    let phantom = |row: usize| -> Vec<Trial> {
+        let size_mm = 4.0 + 10.0 * random.uniform();
+        let truth = Inclusion { size_mm, depth_mm: 2.0 + 9.0 * random.uniform(), youngs_kpa: 50.0 };
+        let light = random.normal();
+        let exposures = (0..2).map(|exposure| {
+            // Of the error most is the light's, which exposures share.
+            let off = 0.04 * (0.8 * light + 0.6 * random.normal());
+            let value = truth.size_mm * (1.0 + off);
+            let half = 1.96 * 0.04 * truth.size_mm * stretch;
+            let unknown = || Value::undefined("anything from 19.4 to 156 may be");
+            let estimates = Estimates {
+                size_mm: Value::known(value, value - half, value + half),
+                depth_mm: unknown(),
+                youngs_kpa: unknown(),
+                detected: Detected::Known(true),
+            };
+            let rank = (100.0 * random.uniform()) as usize;
+            let ranks = [Some(rank), Some(rank / 4), None];
+            Trial { row, exposure, truth: Some(truth), phantom_youngs_kpa: Some(5.0), estimates, ranks }
+        });
+        exposures.collect()
+    };
+    (0..count).flat_map(phantom).collect()
+}
+
+fn ends(value: &Value) -> [f64; 3] {
+    let Value::Known { value, low, high } = value else { panic!("{value:?}") };
+    [*value, *low, *high]
+}
+
+#[test]
+fn intervals_that_hold_are_told_from_short_ones() {
+    let right = Summary::of(&made_up(400, 1.0), &[]).unwrap();
+    let size = &right.quantities[0];
+    assert_eq!((right.phantoms, size.known, size.coverage[0].name.as_str()), (400, 400, "all"));
+    // Three standard deviations of 400 are 0.033.
+    let [share, ..] = ends(&size.coverage[0].share);
+    assert!((share - 0.95).abs() < 0.033, "{share}");
+    // |a normal number| of 4 %: its median is 2.7 %.
+    let [error, low, high] = ends(&size.median_error);
+    assert!(low < 0.027 && 0.027 < high && (error - 0.027).abs() < 0.004, "{error}");
+    let [bias, low, high] = ends(&size.relative_bias);
+    assert!(low < 0.0 && 0.0 < high && bias.abs() < 0.006, "{bias}");
+    assert!((size.median_half_width.unwrap() - 0.0784).abs() < 1e-3);
+    // 30 percent short: 83 % held. The interval of the coverage says so, and the factor that would mend it.
+    let short = Summary::of(&made_up(400, 0.7), &[]).unwrap();
+    let size = &short.quantities[0];
+    assert!(ends(&size.coverage[0].share)[2] < 0.93, "{:?}", size.coverage[0]);
+    let Told::Known(factor) = size.conformal_factor else { panic!("{:?}", size.conformal_factor) };
+    assert!((factor * 0.7 - 1.0).abs() < 0.12, "{factor}");
+    // Thirds hold as many phantoms, of all three kinds.
+    assert_eq!(size.coverage.len(), 10);
+    assert!(size.coverage[1..].iter().all(|group| group.known == 133 || group.known == 134));
+}
+
+#[test]
+fn ranks_repeats_and_reasons_are_told() {
+    let found = Summary::of(&made_up(300, 1.0), &made_up(50, 1.0)).unwrap();
+    let [size, depth, youngs] = &found.quantities[..] else { panic!() };
+    let (Told::Known(even), Told::Known(low)) = (&size.ranks, &depth.ranks) else { panic!("{:?}", size.ranks) };
+    assert!(even.p_value > 1e-3 && low.p_value < 1e-9, "{} {}", even.p_value, low.p_value);
+    assert!(matches!(youngs.ranks, Told::Undefined { .. }));
+    // 0.6 x 4 % of 4 to 14 mm is what exposures differ by.
+    let Told::Known(repeats) = &size.repeatability else { panic!() };
+    let [error, ..] = ends(&repeats.standard_error);
+    assert!((error / (0.024 * 9.45) - 1.0).abs() < 0.15, "{error}");
+    assert!(ends(&size.repeats)[0] > 0.98);
+    assert_eq!(depth.reasons, [Reason { why: "anything from".into(), phantoms: 300 }]);
+    assert_eq!((depth.known, ends(&found.false_alarms)[0]), (0, 1.0));
+    assert!(depth.errors.is_none() && matches!(depth.median_error, Value::Undefined { .. }));
+    // Nothing is something, too.
+    let nothing = Summary::of(&[], &[]).unwrap();
+    assert!(matches!(nothing.found, Value::Undefined { .. }) && nothing.quantities.len() == 3);
+}
+
+#[test]
+fn reasons_lose_their_numbers() {
+    assert_eq!(without_numbers("the frames do not tell it: anything from 3 to 4 may be"), "the frames do not tell it");
+    assert_eq!(without_numbers("no inclusion is told from none"), "no inclusion is told from none");
+    assert_eq!(
+        without_numbers("it lies at or beyond the end of what the calibration knows, 3.80 to 14.5"),
+        "it lies at or beyond the end of what the calibration knows"
+    );
+}

@@ -1,0 +1,134 @@
+//! Trials: one exposure of one phantom, inverted.
+
+use super::StudyError;
+use crate::calibrate::{FrameModel, Frames, Inclusion};
+use crate::camera::expose;
+use crate::estimate::{Estimates, GreyImage};
+use crate::film::Film;
+use crate::image_io::read_radiance;
+use crate::output::Records;
+use crate::pipeline::Truth;
+use crate::streams::Streams;
+use crate::sweep::{Format, Loads, Record, Rejected, Sweep};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Draws among which the truth has a rank.
+pub(super) const RANKED: usize = 99;
+
+/// One exposure of one phantom.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trial {
+    /// Row of the phantom in its sweep.
+    pub row: usize,
+    /// Which exposure, from 0.
+    pub exposure: u32,
+    /// The inclusion that is there, if there is one.
+    pub truth: Option<Inclusion>,
+    /// Young's modulus of the phantom itself, kPa.
+    pub phantom_youngs_kpa: Option<f64>,
+    /// What its frames say.
+    pub estimates: Estimates,
+    /// Rank of the true size, depth and modulus among 99 draws of the posterior, 0 to 99; none where there are no
+    /// draws.
+    pub ranks: [Option<usize>; 3],
+}
+
+/// How phantoms are tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct How {
+    /// An inclusion is of the phantom's own modulus, and none.
+    pub empty: bool,
+    /// Exposures of each phantom.
+    pub exposures: u32,
+    /// Their time, ms; none: the scene's.
+    pub exposure_ms: Option<f64>,
+}
+
+/// Trials of all phantoms of a sweep's folder.
+/// `observe` is told how many phantoms are done, of how many, and stops the work by saying no.
+///
+/// # Errors
+/// A folder that is none of a sweep that keeps the radiance of the calibration's loads.
+pub fn trials(
+    model: &FrameModel,
+    folder: &Path,
+    how: How,
+    observe: &(dyn Fn(usize, usize) -> bool + Sync),
+) -> Result<Option<Vec<Trial>>, StudyError> {
+    let (sweep, records) = Sweep::of_folder(folder)?;
+    let unsuited = |why: String| StudyError::Unsuited { folder: folder.to_path_buf(), why };
+    if !sweep.file.sweep.images.is_some_and(|images| images.format == Format::Exr && images.loads == Loads::All) {
+        return Err(unsuited("keeps no radiance of all loads: images = { format = \"exr\", loads = \"all\" }".into()));
+    }
+    let loads = sweep.base.scene.press.as_ref().map_or(0, |press| press.depths_mm.as_ref().map_or(0, Vec::len));
+    if loads != model.depths_mm.len() {
+        return Err(unsuited(format!("has {loads} loads, the calibration {}", model.depths_mm.len())));
+    }
+    let kept: Vec<(usize, Record)> = sweep.kept(&records).collect();
+    let (done, study) = (AtomicUsize::new(0), Phantoms { model, sweep: &sweep, records: &records, how });
+    let each = |(row, record): &(usize, Record)| {
+        if !observe(done.load(Ordering::Relaxed), kept.len()) {
+            return Ok(None);
+        }
+        let trials = study.one(*row, record)?;
+        done.fetch_add(1, Ordering::Relaxed);
+        Ok(Some(trials))
+    };
+    let all = kept.par_iter().map(each).collect::<Result<Option<Vec<_>>, StudyError>>()?;
+    Ok(all.map(|all| all.into_iter().flatten().collect()))
+}
+
+struct Phantoms<'a> {
+    model: &'a FrameModel,
+    sweep: &'a Sweep,
+    records: &'a Records,
+    how: How,
+}
+
+impl Phantoms<'_> {
+    fn one(&self, row: usize, record: &Record) -> Result<Vec<Trial>, StudyError> {
+        let unsuited = |why: String| StudyError::Unsuited { folder: self.records.folder().to_path_buf(), why };
+        let point = self.sweep.plan.point(row).map_err(unsuited)?;
+        let loaded = self.sweep.scene(&point).map_err(|rejected| match rejected {
+            Rejected::Point(why) => unsuited(format!("point {row}: {why}")),
+            Rejected::Sweep(broken) => unsuited(broken.to_string()),
+        })?;
+        let (mut camera, wavelength_nm) = (loaded.scene.camera.clone(), loaded.scene.light.wavelength_nm);
+        camera.sensor.exposure_ms = self.how.exposure_ms.unwrap_or(camera.sensor.exposure_ms);
+        let split = self.sweep.file.sweep.images.map_or("", |images| images.split(row));
+        let folder = self.records.folder().join(split);
+        let films = record.images.iter().map(|kept| Ok(read_radiance(&folder.join(&kept.file))?.0));
+        let films = films.collect::<Result<Vec<_>, StudyError>>()?;
+        let truth = Truth::of(loaded.scene.phantom.as_ref(), &loaded.files, self.how.empty)?;
+        let figures = [&truth.size_mm, &truth.depth_mm, &truth.youngs_kpa].map(|figure| figure.value());
+        let inclusion = match figures {
+            [Some(size_mm), Some(depth_mm), Some(youngs_kpa)] => Some(Inclusion { size_mm, depth_mm, youngs_kpa }),
+            _ => None,
+        };
+        let exposure = |exposure: u32| {
+            let frame = |film: &Film| -> Result<GreyImage, StudyError> {
+                let seed = Streams::of_image(exposure, &film.mean).sensor();
+                Ok(GreyImage::from_frame(&expose(film, &camera, wavelength_nm, seed)?)?)
+            };
+            let frames = films.iter().map(frame).collect::<Result<Vec<_>, _>>()?;
+            let frames = self.model.depths_mm.iter().copied().zip(&frames).collect();
+            let (estimates, posterior) = self.model.inverted(&Frames { camera: &camera, wavelength_nm, frames });
+            let rank = |k: usize| {
+                let share = posterior.as_ref()?.below(self.model.unknown(k)?, figures[k]?)?;
+                Some(((share * (RANKED + 1) as f64) as usize).min(RANKED))
+            };
+            Ok(Trial {
+                row,
+                exposure,
+                truth: inclusion,
+                phantom_youngs_kpa: truth.phantom_youngs_kpa.value(),
+                estimates,
+                ranks: [0, 1, 2].map(rank),
+            })
+        };
+        (0..self.how.exposures).map(exposure).collect()
+    }
+}
