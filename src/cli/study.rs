@@ -4,7 +4,7 @@ use super::command::{command_line, described};
 use super::sweep::How;
 use super::{Failure, Outcome, Progress, cancel, note, print};
 use crate::calibrate::{FrameModel, ready};
-use crate::output::{RESULT, write_whole};
+use crate::output::{RESULT, Records};
 use crate::pages::study;
 use crate::study::{How as Tried, StudyError, StudyFile, Summary, Trial, trials};
 use clap::Args;
@@ -26,6 +26,8 @@ impl Study {
         let parts = StudyFile::load(&self.study)?.study;
         let name = self.study.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let out = self.how.place_or(|| PathBuf::from("out").join(&name));
+        // Others may compute parts of the same study.
+        let records = Records::join(&out, &json!({"kind": "study"}), false, out.is_dir())?;
         let own = parts.calibration.as_deref().map(FrameModel::load).transpose()?;
         let model = match &own {
             Some(own) => own,
@@ -34,7 +36,7 @@ impl Study {
         let mut work = self.how.parts(&out);
         let phantoms = work.part(&parts.phantoms, "phantoms")?;
         let empty = parts.empty.as_deref().map(|empty| work.part(empty, "empty")).transpose()?;
-        if !work.is_whole {
+        if !work.is_whole && !self.how.is_quiet() {
             note("not all points are there yet: the study is of those that are");
         }
         let (exposures, exposure_ms) = (parts.exposures, parts.exposure_ms);
@@ -43,10 +45,10 @@ impl Study {
         let empty = empty.as_deref().map_or(Ok(Vec::new()), |folder| of(folder, true))?;
         let summary = Summary::of(&phantoms, &empty)?;
         let page = study::Page { name: &name, description: &parts.description, summary: &summary, model };
-        write_whole(&out.join("estimates.csv"), &study::csv(&phantoms, &empty)?)?;
-        write_whole(&out.join("report.html"), &page.report(&phantoms, &command_line())?.to_html())?;
+        records.write("estimates.csv", &study::csv(&phantoms, &empty)?)?;
+        records.write("report.html", &page.report(&phantoms, &command_line())?.to_html())?;
         let result = described(json!(summary), Some(&out));
-        write_whole(&out.join(RESULT), &format!("{result:#}\n"))?;
+        records.write(RESULT, &format!("{result:#}\n"))?;
         match self.how.is_json() {
             true => print(&result.to_string())?,
             false => print(&page.text(&out.display().to_string()))?,

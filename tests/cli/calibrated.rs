@@ -141,6 +141,15 @@ fn a_study_tells_true_against_estimated() {
     // What is there is not computed again, and says the same.
     assert_eq!(json(&study(&[]))["quantities"], said["quantities"]);
 
+    // A folder of something else stays as it is.
+    std::fs::create_dir(place.path().join("other")).unwrap();
+    place.write("other/report.html", "mine");
+    let output = study(&["-o", "other"]);
+    assert_eq!(
+        (code(&output), std::fs::read_to_string(place.path().join("other/report.html")).unwrap().as_str()),
+        (2, "mine")
+    );
+
     let broken = |text: &str, why: &str| {
         place.write("broken.toml", text);
         let output = tirtouch_in(place.path(), &["study", "broken.toml"]);
