@@ -4,10 +4,10 @@
 
 An independent look at `tirtouch calibrate --bound`: no light is traced. The image of a press is taken as the share of
 true contact, which goes with the pressure while it is small, so that all derivatives are those of the logarithm of the
-pressure in rings: central differences of presses, free of noise. Each ring has the noise of its pixels at the scene's
-exposure (6000 electrons at 2 kPa); beside size, depth and modulus the phantom's modulus, the depth of the press (1 %),
-the contact law and the LEDs' power are unknown, and each load has a smooth error of its own (SMOOTH_ERROR, a share;
-default 0.001). Prints the Cramer-Rao bound as shares. Needs numpy; a minute on two cores.
+pressure in rings: central differences of presses, free of noise. Each ring has the noise of its pixels, 348 x 261 over
+the face with 6000 electrons at 2 kPa, as in the phantom scenes. Beside size, depth and modulus the phantom's modulus, the
+depth of the press (1 %), the contact law and the LEDs' power are unknown, and each load has a smooth error of its own
+(SMOOTH_ERROR, a share; default 0.001). Prints the Cramer-Rao bound as shares. Needs numpy; a minute on two cores.
 """
 
 import os
@@ -20,8 +20,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 RADII_MM = np.arange(0.125, 12.5, 0.25)
-FIELD_MM = (20.0, 15.0)
-PIXELS_PER_MM2 = 33.0
+FIELD_MM = (29.9, 22.4)
+PIXELS_PER_MM2 = 135.0
 ELECTRONS_PER_KPA = 3000.0
 READ_NOISE_E, WELL_E, LEVELS = 9.0, 15000.0, 255.0
 # Steps of the logarithms of size, depth, modulus, the phantom's modulus and the depth of the press.

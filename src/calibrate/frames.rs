@@ -7,7 +7,7 @@ use crate::estimate::GreyImage;
 use crate::scene::Camera;
 
 /// Depths this close, as a share, are of one load.
-const SAME_DEPTH: f64 = 2e-3;
+pub(crate) const SAME_DEPTH: f64 = 2e-3;
 
 /// Frames of one press, taken by one camera.
 #[derive(Debug, Clone)]

@@ -20,6 +20,7 @@ pub use blocks::Blocks;
 pub use bound::{Bounds, Inclusion, Limits, Protocol};
 pub use file::{CalibrationFile, Parts};
 pub use frames::Frames;
+pub(crate) use frames::SAME_DEPTH;
 pub use model::FrameModel;
 pub use ready::ready;
 pub use training::Training;

@@ -21,7 +21,8 @@ const FILE: &str = "calibration.json";
 pub(super) struct Calibrate {
     /// Calibration file: the sweeps to learn from; with --bound what was learnt (JSON).
     calibration: PathBuf,
-    /// Print how well size, depth and modulus can be known at best by a calibration's frames: the Cramér-Rao bound.
+    /// Print how well size, depth and modulus can be known at best by what a calibration reads of frames: the
+    /// Cramér-Rao bound.
     #[arg(long)]
     bound: bool,
     /// Frames at each load of the calibration, as in 1,1,8 [default: one at each].
@@ -86,6 +87,9 @@ impl Calibrate {
             return Err(Failure::usage(format!(
                 "--frames: give {loads} numbers, one for each load of the calibration"
             )));
+        }
+        if frames.iter().all(|count| *count == 0) {
+            return Err(Failure::usage("--frames: give at least one frame"));
         }
         let (mut camera, wavelength_nm) = model.own_camera()?;
         camera.sensor.bit_depth = self.bits.unwrap_or(camera.sensor.bit_depth);

@@ -28,7 +28,7 @@ pub fn text(rows: &[Row]) -> String {
         Value::Undefined { reason } => reason,
     };
     let mut lines = vec![
-        "Least standard deviations by the frames alone; in brackets what the calibration's slopes leave open."
+        "Least standard deviations by the calibration's scores; in brackets what its slopes leave open (95 %)."
             .to_owned(),
         format!(
             "{:>8} {:>9} {:>12}   {:24} {:24} {:24}",

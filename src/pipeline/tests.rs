@@ -202,7 +202,7 @@ fn a_press_stops_when_it_is_told_once() {
 #[test]
 fn a_map_may_be_left_unsmoothed() {
     let render = |map_smoothing| {
-        let mut loaded = coarse("press-hertz");
+        let mut loaded = coarse("phantom-size-8mm");
         let render = loaded.scene.render.clone();
         loaded.scene.render = Render { integrator: Integrator::Map, map_texel_mm: 0.25, map_smoothing, ..render };
         let mut session = session();

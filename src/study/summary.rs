@@ -23,14 +23,16 @@ const BINS: usize = 10;
 pub struct Summary {
     /// Phantoms with an inclusion.
     pub phantoms: usize,
-    /// Share of these in which it is found.
+    /// Share of these in which it is found, of those of which that is told.
     pub found: Value,
     /// The smallest diameter, mm, of which 95 % are found.
     pub smallest_mm: Value,
     /// Phantoms without an inclusion.
     pub empty: usize,
-    /// Share of these in which one is found all the same.
+    /// Share of these in which one is found all the same, of those of which that is told.
     pub false_alarms: Value,
+    /// Phantoms of both kinds of which it is not told whether there is one.
+    pub undecided: usize,
     /// Size (mm), depth (mm) and modulus (kPa).
     pub quantities: Vec<Quantity>,
 }
@@ -148,12 +150,19 @@ impl Summary {
     pub fn of(phantoms: &[Trial], empty: &[Trial]) -> Result<Self, StudyError> {
         let first =
             |trials: &[Trial]| -> Vec<Trial> { trials.iter().filter(|trial| trial.exposure == 0).cloned().collect() };
-        let found = |trial: &&Trial| trial.estimates.detected == Detected::Known(true);
+        let found = |trial: &Trial| match trial.estimates.detected {
+            Detected::Known(found) => Some(found),
+            Detected::Undefined { .. } => None,
+        };
         let (with, without) = (first(phantoms), first(empty));
-        let share = |trials: &[Trial]| clopper_pearson(trials.iter().filter(found).count(), trials.len(), LEVEL);
+        let share = |trials: &[Trial]| {
+            let told: Vec<bool> = trials.iter().filter_map(found).collect();
+            clopper_pearson(told.iter().filter(|found| **found).count(), told.len(), LEVEL)
+        };
+        let undecided = with.iter().chain(&without).filter(|trial| found(trial).is_none()).count();
         let tried = with
             .iter()
-            .filter_map(|trial| Some(DetectionTrial { covariate: trial.truth?.size_mm, is_detected: found(&trial) }));
+            .filter_map(|trial| Some(DetectionTrial { covariate: trial.truth?.size_mm, is_detected: found(trial)? }));
         let smallest = DetectionRate::of(&tried.collect::<Vec<_>>());
         Ok(Self {
             phantoms: with.len(),
@@ -161,6 +170,7 @@ impl Summary {
             smallest_mm: smallest.map_or_else(|error| Value::undefined(error.to_string()), |rate| rate.smallest),
             empty: without.len(),
             false_alarms: share(&without)?,
+            undecided,
             quantities: (0..3).map(|k| quantity(k, &with, phantoms)).collect::<Result<_, _>>()?,
         })
     }
@@ -232,8 +242,8 @@ fn known_of<'a>(
     }
 }
 
-/// A number of a phantom.
-type OfKnown = fn(&Known) -> f64;
+/// A number of a phantom, if it has it.
+type OfKnown = fn(&Known) -> Option<f64>;
 
 /// Coverage of all, and by thirds of size, depth and contrast.
 fn coverage(known: &[Known]) -> Result<Vec<Group>, StatisticsError> {
@@ -244,29 +254,35 @@ fn coverage(known: &[Known]) -> Result<Vec<Group>, StatisticsError> {
     let all: Vec<&Known> = known.iter().collect();
     let mut groups = vec![group("all".into(), &all)?];
     let by: [(&str, &str, OfKnown); 3] = [
-        ("size", " mm", |one| one.inclusion.size_mm),
-        ("depth", " mm", |one| one.inclusion.depth_mm),
-        ("contrast", "", |one| one.trial.phantom_youngs_kpa.map_or(0.0, |own| one.inclusion.youngs_kpa / own)),
+        ("size", " mm", |one| Some(one.inclusion.size_mm)),
+        ("depth", " mm", |one| Some(one.inclusion.depth_mm)),
+        ("contrast", "", |one| one.trial.phantom_youngs_kpa.map(|own| one.inclusion.youngs_kpa / own)),
     ];
     for (name, unit, of) in by {
-        let mut sorted = all.clone();
-        sorted.sort_by(|a, b| of(a).total_cmp(&of(b)));
+        let mut sorted: Vec<(f64, &Known)> = known.iter().filter_map(|one| Some((of(one)?, one))).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Equal ones are not told apart by the order in which they come.
+        if sorted.first().map(|one| one.0) == sorted.last().map(|one| one.0) {
+            continue;
+        }
         let n = sorted.len();
         for third in 0..3 {
             let members = &sorted[third * n / 3..(third + 1) * n / 3];
-            if let (Some(low), Some(high)) = (members.first(), members.last()) {
-                groups.push(group(format!("{name} {:.1} to {:.1}{unit}", of(low), of(high)), members)?);
+            if let (Some((low, _)), Some((high, _))) = (members.first(), members.last()) {
+                let of_third: Vec<&Known> = members.iter().map(|(_, one)| *one).collect();
+                groups.push(group(format!("{name} {low:.1} to {high:.1}{unit}"), &of_third)?);
             }
         }
     }
     Ok(groups)
 }
 
-/// A reason up to its first number, so that alike ones count together.
+/// A reason up to its first number, so that alike ones count together; whole where that leaves nothing.
 fn without_numbers(reason: &str) -> String {
-    let text = reason.split(|c: char| c.is_ascii_digit()).next().unwrap_or(reason);
-    let text = text.rsplit_once([':', '(']).map_or(text, |(before, _)| before);
-    text.trim().trim_end_matches(',').to_owned()
+    let Some(at) = reason.find(|c: char| c.is_ascii_digit()) else { return reason.to_owned() };
+    let text = &reason[..at];
+    let text = text.rsplit_once([':', '(']).map_or(text, |(before, _)| before).trim().trim_end_matches(',');
+    if text.is_empty() { reason.to_owned() } else { text.to_owned() }
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

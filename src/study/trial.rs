@@ -1,7 +1,7 @@
 //! Trials: one exposure of one phantom, inverted.
 
 use super::StudyError;
-use crate::calibrate::{FrameModel, Frames, Inclusion};
+use crate::calibrate::{FrameModel, Frames, Inclusion, SAME_DEPTH};
 use crate::camera::expose;
 use crate::estimate::{Estimates, GreyImage};
 use crate::film::Film;
@@ -63,9 +63,11 @@ pub fn trials(
     if !sweep.file.sweep.images.is_some_and(|images| images.format == Format::Exr && images.loads == Loads::All) {
         return Err(unsuited("keeps no radiance of all loads: images = { format = \"exr\", loads = \"all\" }".into()));
     }
-    let loads = sweep.base.scene.press.as_ref().map_or(0, |press| press.depths_mm.as_ref().map_or(0, Vec::len));
-    if loads != model.depths_mm.len() {
-        return Err(unsuited(format!("has {loads} loads, the calibration {}", model.depths_mm.len())));
+    let depths_mm = sweep.base.scene.press.as_ref().and_then(|press| press.depths_mm.clone()).unwrap_or_default();
+    let same = |(ours, theirs): (&f64, &f64)| (ours - theirs).abs() <= SAME_DEPTH * theirs;
+    if depths_mm.len() != model.depths_mm.len() || !depths_mm.iter().zip(&model.depths_mm).all(same) {
+        let known = model.depths_mm.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+        return Err(unsuited(format!("must press to {known} mm, as the calibration does")));
     }
     let kept: Vec<(usize, Record)> = sweep.kept(&records).collect();
     let (done, study) = (AtomicUsize::new(0), Phantoms { model, sweep: &sweep, records: &records, how });
