@@ -246,8 +246,8 @@ fn section(k: usize, quantity: &Quantity, trials: &[Trial]) -> Result<Section, P
 fn ranks_said(ranks: &RankHistogram) -> String {
     let counts: Vec<String> = ranks.counts.iter().map(usize::to_string).collect();
     format!(
-        "Ranks of the truth among draws of the posterior, by tenths: {}. Even ranks would be as uneven with a probability \
-         of {}; ranks at both ends say that intervals are too short, in the middle that they are too wide.",
+        "Ranks of the truth among draws of the posterior, by tenths: {}. Even ranks would be as uneven with a \
+         probability of {}; ranks at both ends say that intervals are too short, in the middle that they are too wide.",
         counts.join(", "),
         figure(ranks.p_value)
     )
