@@ -24,6 +24,7 @@ pub(crate) use frames::SAME_DEPTH;
 pub use model::FrameModel;
 pub use ready::ready;
 pub use training::Training;
+pub(crate) use training::sweep_of;
 
 use crate::image_io::ImageError;
 use crate::infer::FitError;

@@ -4,7 +4,7 @@ use super::{Blocks, CalibrateError};
 use crate::image_io::read_radiance;
 use crate::infer::{Prior, Unknown};
 use crate::output::Records;
-use crate::sweep::{Format, Kept, Loads, Record, Sweep};
+use crate::sweep::{Format, Images, Kept, Loads, Record, Sweep};
 use crate::vary::Vary;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -33,17 +33,28 @@ pub struct Training {
     pub errors: Vec<f64>,
 }
 
+/// The sweep of a folder, one that keeps the radiance of all loads.
+///
+/// # Errors
+/// A folder of another kind.
+pub(crate) fn sweep_of(folder: &Path) -> Result<(Sweep, Records), CalibrateError> {
+    let (sweep, records) = Sweep::of_folder(folder)?;
+    let whole = |images: Images| images.format == Format::Exr && images.loads == Loads::All;
+    if sweep.file.sweep.images.is_some_and(whole) {
+        return Ok((sweep, records));
+    }
+    let why = "keeps no radiance of all loads: images = { format = \"exr\", loads = \"all\" }".to_owned();
+    Err(CalibrateError::Unsuited { folder: folder.to_path_buf(), why })
+}
+
 impl Training {
     /// Reads the folder of a sweep that kept the radiance of all loads.
     ///
     /// # Errors
     /// A folder of another kind, an image that cannot be read.
     pub fn read(folder: &Path) -> Result<Self, CalibrateError> {
-        let (sweep, records) = Sweep::of_folder(folder)?;
+        let (sweep, records) = sweep_of(folder)?;
         let unsuited = |why: &str| CalibrateError::Unsuited { folder: folder.to_path_buf(), why: why.to_owned() };
-        if !sweep.file.sweep.images.is_some_and(|images| images.format == Format::Exr && images.loads == Loads::All) {
-            return Err(unsuited("keeps no radiance of all loads: images = { format = \"exr\", loads = \"all\" }"));
-        }
         let scene = &sweep.base.scene;
         let press = scene.press.as_ref().ok_or_else(|| unsuited("presses nothing"))?;
         let depths_mm = press.depths_mm.clone().ok_or_else(|| unsuited("presses to no depths_mm"))?;

@@ -69,16 +69,11 @@ impl Study {
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
         match error {
-            StudyError::Folder(error) => error.into(),
-            StudyError::Image(error) => error.into(),
+            StudyError::Sweep(error) => error.into(),
             StudyError::Exposure(error) => error.into(),
             StudyError::Frame(error) => error.into(),
             StudyError::Phantom(error) => error.into(),
             StudyError::Statistics(error) => Self::failed(error.to_string()),
-            StudyError::Unsuited { ref folder, .. } => {
-                let folder = folder.clone();
-                Self::input(error.to_string()).in_file(&folder)
-            }
         }
     }
 }

@@ -11,31 +11,18 @@ pub use file::{Parts, StudyFile};
 pub use summary::{Group, Quantity, Reason, Summary, Told};
 pub use trial::{How, Trial, trials};
 
+use crate::calibrate::CalibrateError;
 use crate::camera::ExposureError;
 use crate::estimate::GreyImageError;
-use crate::image_io::ImageError;
 use crate::mechanics::press::PressError;
 use crate::statistics::StatisticsError;
-use crate::sweep::SweepFolderError;
-use std::path::PathBuf;
 
 /// Why there is no study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// A folder that is none of a sweep.
+    /// A folder that is none of a sweep of phantoms that the calibration reads, an image that cannot be read.
     #[error(transparent)]
-    Folder(#[from] SweepFolderError),
-    /// A sweep that is not of phantoms that the calibration reads.
-    #[error("{}: {why}", .folder.display())]
-    Unsuited {
-        /// Its folder.
-        folder: PathBuf,
-        /// Why.
-        why: String,
-    },
-    /// An image that cannot be read.
-    #[error(transparent)]
-    Image(#[from] ImageError),
+    Sweep(#[from] CalibrateError),
     /// A camera that makes no sense.
     #[error(transparent)]
     Exposure(#[from] ExposureError),

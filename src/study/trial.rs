@@ -1,7 +1,7 @@
 //! Trials: one exposure of one phantom, inverted.
 
 use super::StudyError;
-use crate::calibrate::{FrameModel, Frames, Inclusion, SAME_DEPTH};
+use crate::calibrate::{CalibrateError, FrameModel, Frames, Inclusion, SAME_DEPTH, sweep_of};
 use crate::camera::expose;
 use crate::estimate::{Estimates, GreyImage};
 use crate::film::Film;
@@ -9,7 +9,7 @@ use crate::image_io::read_radiance;
 use crate::output::Records;
 use crate::pipeline::Truth;
 use crate::streams::Streams;
-use crate::sweep::{Format, Loads, Record, Rejected, Sweep};
+use crate::sweep::{Record, Rejected, Sweep};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
@@ -47,8 +47,8 @@ pub struct How {
     pub exposure_ms: Option<f64>,
 }
 
-/// Trials of all phantoms of a sweep's folder.
-/// `observe` is told how many phantoms are done, of how many, and stops the work by saying no.
+/// Trials of all phantoms of a sweep's folder. `observe` is told how many phantoms are done, of how many, and stops the
+/// work by saying no.
 ///
 /// # Errors
 /// A folder that is none of a sweep that keeps the radiance of the calibration's loads.
@@ -58,16 +58,13 @@ pub fn trials(
     how: How,
     observe: &(dyn Fn(usize, usize) -> bool + Sync),
 ) -> Result<Option<Vec<Trial>>, StudyError> {
-    let (sweep, records) = Sweep::of_folder(folder)?;
-    let unsuited = |why: String| StudyError::Unsuited { folder: folder.to_path_buf(), why };
-    if !sweep.file.sweep.images.is_some_and(|images| images.format == Format::Exr && images.loads == Loads::All) {
-        return Err(unsuited("keeps no radiance of all loads: images = { format = \"exr\", loads = \"all\" }".into()));
-    }
+    let (sweep, records) = sweep_of(folder)?;
     let depths_mm = sweep.base.scene.press.as_ref().and_then(|press| press.depths_mm.clone()).unwrap_or_default();
     let same = |(ours, theirs): (&f64, &f64)| (ours - theirs).abs() <= SAME_DEPTH * theirs;
     if depths_mm.len() != model.depths_mm.len() || !depths_mm.iter().zip(&model.depths_mm).all(same) {
         let known = model.depths_mm.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
-        return Err(unsuited(format!("must press to {known} mm, as the calibration does")));
+        let why = format!("must press to {known} mm, as the calibration does");
+        return Err(CalibrateError::Unsuited { folder: folder.to_path_buf(), why }.into());
     }
     let kept: Vec<(usize, Record)> = sweep.kept(&records).collect();
     let (done, study) = (AtomicUsize::new(0), Phantoms { model, sweep: &sweep, records: &records, how });
@@ -92,7 +89,7 @@ struct Phantoms<'a> {
 
 impl Phantoms<'_> {
     fn one(&self, row: usize, record: &Record) -> Result<Vec<Trial>, StudyError> {
-        let unsuited = |why: String| StudyError::Unsuited { folder: self.records.folder().to_path_buf(), why };
+        let unsuited = |why: String| CalibrateError::Unsuited { folder: self.records.folder().to_path_buf(), why };
         let point = self.sweep.plan.point(row).map_err(unsuited)?;
         let loaded = self.sweep.scene(&point).map_err(|rejected| match rejected {
             Rejected::Point(why) => unsuited(format!("point {row}: {why}")),
@@ -103,7 +100,7 @@ impl Phantoms<'_> {
         let split = self.sweep.file.sweep.images.map_or("", |images| images.split(row));
         let folder = self.records.folder().join(split);
         let films = record.images.iter().map(|kept| Ok(read_radiance(&folder.join(&kept.file))?.0));
-        let films = films.collect::<Result<Vec<_>, StudyError>>()?;
+        let films = films.collect::<Result<Vec<_>, CalibrateError>>()?;
         let truth = Truth::of(loaded.scene.phantom.as_ref(), &loaded.files, self.how.empty)?;
         let figures = [&truth.size_mm, &truth.depth_mm, &truth.youngs_kpa].map(|figure| figure.value());
         let inclusion = match figures {
