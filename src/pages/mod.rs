@@ -22,6 +22,7 @@ mod side;
 pub mod stability;
 pub mod study;
 pub mod sweep;
+mod tables;
 pub mod truth;
 
 pub use error::PageError;

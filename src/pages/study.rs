@@ -2,6 +2,7 @@
 
 use super::PageError;
 use super::facts::{columns, figure, interval, version};
+use super::tables::table;
 use crate::calibrate::FrameModel;
 use crate::estimate::{Detected, Value};
 use crate::report::{AxisName, Item, LogPlot, LogPoint, LogSeries, LogStyle, Report, Section, Table, log_plot};
@@ -42,15 +43,12 @@ fn percent(value: &Value) -> String {
 
 /// Every trial as a row: truth, estimates with their intervals, reasons.
 pub fn csv(phantoms: &[Trial], empty: &[Trial]) -> Result<String, PageError> {
-    let failed = |error: csv::Error| PageError::Table { file: "estimates.csv", error };
-    let mut writer = csv::Writer::from_writer(Vec::new());
     let quantities = ["size_mm", "depth_mm", "youngs_kpa"];
     let ends = |name: &str| ["", "_low", "_high", "_undefined"].map(|end| format!("{name}{end}"));
     let mut heads = ["sweep", "row", "exposure"].map(str::to_owned).to_vec();
     heads.extend(quantities.map(|name| format!("true_{name}")));
     heads.extend(["phantom_youngs_kpa".to_owned(), "detected".to_owned()]);
     heads.extend(quantities.iter().flat_map(|name| ends(name)));
-    writer.write_record(heads).map_err(failed)?;
     let number = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
     let of_sweep = |sweep: &'static str, trials: &'_ [Trial]| -> Vec<Vec<String>> {
         let row = |trial: &Trial| {
@@ -73,11 +71,8 @@ pub fn csv(phantoms: &[Trial], empty: &[Trial]) -> Result<String, PageError> {
         };
         trials.iter().map(row).collect()
     };
-    for row in of_sweep("phantoms", phantoms).into_iter().chain(of_sweep("empty", empty)) {
-        writer.write_record(row).map_err(failed)?;
-    }
-    let bytes = writer.into_inner().map_err(|error| failed(error.into_error().into()))?;
-    String::from_utf8(bytes).map_err(|error| failed(std::io::Error::other(error).into()))
+    let rows = of_sweep("phantoms", phantoms).into_iter().chain(of_sweep("empty", empty));
+    table("estimates.csv", heads, rows)
 }
 
 impl Page<'_> {

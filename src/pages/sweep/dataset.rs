@@ -1,9 +1,9 @@
 //! The table of labels beside the images of a sweep, in the layout of Hugging Face's `imagefolder`, and its data card.
 
-use super::table::table;
 use crate::output::Records;
 use crate::pages::PageError;
 use crate::pages::facts::figure;
+use crate::pages::tables::table;
 use crate::pipeline::Truth;
 use crate::sweep::{Format, Images, Loads, Record, Sweep};
 

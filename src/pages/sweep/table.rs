@@ -2,26 +2,12 @@
 
 use crate::output::Records;
 use crate::pages::PageError;
+use crate::pages::tables::table;
 use crate::sweep::{Sensitivity, State, Sweep, Told};
 use crate::vary::sensitivity::Interval;
 
 fn text(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
-}
-
-pub(super) fn table(
-    file: &'static str,
-    head: Vec<String>,
-    rows: impl Iterator<Item = Vec<String>>,
-) -> Result<String, PageError> {
-    let failed = |error: csv::Error| PageError::Table { file, error };
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(&head).map_err(failed)?;
-    for row in rows {
-        writer.write_record(&row).map_err(failed)?;
-    }
-    let bytes = writer.into_inner().map_err(|error| failed(error.into_error().into()))?;
-    String::from_utf8(bytes).map_err(|error| failed(std::io::Error::other(error).into()))
 }
 
 /// `points.csv`: one row a point in the order of the design, with its status. Equal sweeps give equal bytes: times are
