@@ -4,6 +4,7 @@ use crate::camera::ProjectionError;
 use crate::camera::exposure::ExposureError;
 use crate::converge::light::LightError;
 use crate::estimate::CalibrationError;
+use crate::estimate::tissue::TissueError;
 use crate::film::compare::CompareError;
 use crate::image_io::ImageError;
 use crate::mechanics::frames::scan::ScanError;
@@ -300,8 +301,21 @@ impl From<ScanError> for Failure {
         match error {
             ScanError::Mesh(_) | ScanError::Material(_) => Self::input(error.to_string()),
             ScanError::File(file) => file.into(),
-            ScanError::Position { .. } | ScanError::Frames(_) => Self::failed(error.to_string()),
+            ScanError::ForceOfNonlinear => Self::input(error.to_string()),
+            ScanError::Position { .. } | ScanError::Force { .. } | ScanError::Frames(_) => {
+                Self::failed(error.to_string())
+            }
             ScanError::Stopped => Self::cancelled(),
+        }
+    }
+}
+
+impl From<TissueError> for Failure {
+    fn from(error: TissueError) -> Self {
+        match error {
+            TissueError::Scan(error) => error.into(),
+            TissueError::Scene { key, .. } => Self::input(error.to_string()).at_key(key),
+            _ => Self::input(error.to_string()),
         }
     }
 }

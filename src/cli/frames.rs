@@ -4,9 +4,11 @@ mod source;
 
 use super::command;
 use super::flags::{finite, not_negative, positive};
-use super::{Failure, Outcome, Talk, note, print};
+use super::{Failure, Outcome, Progress, Talk, cancel, note, print};
+use crate::estimate::tissue::{self, Question, Tissue, noisy};
 use crate::output::OutputFolder;
-use crate::pages::frames::{Pictures, Reading};
+use crate::pages::frames::{Pictures, Reading, Source};
+use crate::scene::{LoadedScan, open_scan};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -19,6 +21,25 @@ pub(super) struct FramesCommand {
     /// Measured frames in place of a scene: CSV of position_mm,x_mm,pressure_kpa.
     #[arg(long, value_name = "CSV")]
     measured: Option<PathBuf>,
+    /// What is known beside measured frames, as a scan scene: indenter, depth of the press, depth of the inclusion. Then
+    /// the tissue is estimated from them; the scene's own is the guess from which it is sought.
+    #[arg(long, value_name = "SCAN", conflicts_with = "scene")]
+    calibration: Option<PathBuf>,
+    /// Estimate the tissue from the computed frames, with noise added: does the inverse find what the scene holds?
+    #[arg(long, conflicts_with = "measured")]
+    invert: bool,
+    /// Noise that is added to computed frames before they are inverted, as a share of each pressure.
+    #[arg(long, value_name = "S", default_value = "0.01", value_parser = not_negative, requires = "invert")]
+    noise_share: f64,
+    /// The depth of the press is not known: hold each frame's own force instead.
+    #[arg(long)]
+    by_force: bool,
+    /// The depth of the inclusion is not known: seek it too.
+    #[arg(long)]
+    free_depth: bool,
+    /// Seed of the added noise, and of the draws behind the intervals.
+    #[arg(long, value_name = "N", default_value = "0")]
+    seed: u32,
     /// Half width of the window of the parabola about the indenter's centre, mm [default: the scene's, or the contact].
     #[arg(long, value_name = "W", value_parser = positive, allow_negative_numbers = true)]
     window_mm: Option<f64>,
@@ -41,14 +62,16 @@ pub(super) struct FramesCommand {
 impl FramesCommand {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let input = source::read(self.scene.as_deref(), self.measured.as_deref())?;
+        let known = self.known(&input)?;
         let place = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(input.name()));
         let folder = OutputFolder::create(&place, self.force)?;
-        let window_mm = self.window_mm.or(input.window_mm());
+        let window_mm = self.window_mm.or(known.as_ref().map_or(input.window_mm(), |known| known.scene.scan.window_mm));
         let source = input.frames(self.show_mm, self.talk.quiet)?;
         let features =
             source.features(window_mm, self.noise_kpa).map_err(|error| Failure::failed(error.to_string()))?;
         let shown = source.nearest(self.show_mm);
-        let reading = Reading { source, features, window_mm, noise_kpa: self.noise_kpa, shown };
+        let tissue = known.map(|known| self.tissue(&source, &known, window_mm)).transpose()?;
+        let reading = Reading { source, features, window_mm, noise_kpa: self.noise_kpa, shown, tissue };
         if !self.talk.quiet {
             reading.notes().iter().for_each(|line| note(line));
         }
@@ -60,5 +83,41 @@ impl FramesCommand {
             false => print(&reading.text(&done.out))?,
         }
         Ok(Outcome::Done)
+    }
+
+    /// What is known beside the frames, where the tissue is to be estimated.
+    fn known(&self, input: &source::Input) -> Result<Option<LoadedScan>, Failure> {
+        let known = match &self.calibration {
+            Some(file) => Some(open_scan(file)?),
+            None => input.scene().filter(|_| self.invert).map(|(scene, file)| (scene.clone(), file.to_path_buf())),
+        };
+        if known.is_none() && (self.by_force || self.free_depth) {
+            return Err(Failure::usage("give `--calibration SCAN` with measured frames, or `--invert` with a scene"));
+        }
+        let Some((known, file)) = known else { return Ok(None) };
+        tissue::check(&known).map_err(|error| Failure::from(error).in_file(&file))?;
+        Ok(Some(known))
+    }
+
+    fn tissue(&self, source: &Source, known: &LoadedScan, window_mm: Option<f64>) -> Result<Tissue, Failure> {
+        let question = Question {
+            scene: known,
+            by_force: self.by_force,
+            free_depth: self.free_depth,
+            window_mm,
+            noise_kpa: self.noise_kpa,
+            seed: self.seed,
+        };
+        let frames = match self.invert {
+            true => noisy(&source.frames, self.noise_share, self.seed)
+                .map_err(|error| Failure::failed(error.to_string()))?,
+            false => source.frames.clone(),
+        };
+        let progress = Progress::new(self.talk.quiet);
+        let tissue = tissue::invert(&frames, &question, &|stage| {
+            progress.observe(stage.done, stage.what);
+            !cancel::requested()
+        })?;
+        Ok(tissue)
     }
 }

@@ -11,6 +11,7 @@ pub mod paper;
 mod spread;
 pub mod stiffness;
 mod threshold;
+pub mod tissue;
 mod told;
 pub mod value;
 

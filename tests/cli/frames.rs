@@ -132,6 +132,10 @@ fn wrong_use_of_frames_is_said() {
         (&["scan.toml", "--window-mm", "0"], "--window-mm"),
         (&["scan.toml", "--noise-kpa", "-1"], "--noise-kpa"),
         (&["scan.toml", "--show-mm", "nan"], "--show-mm"),
+        (&["scan.toml", "--calibration", "scan.toml"], "--calibration"),
+        (&["--calibration", "scan.toml"], "<SCENE>"),
+        (&["scan.toml", "--by-force"], "--invert"),
+        (&["scan.toml", "--noise-share", "0.1"], "--invert"),
     ] {
         let output = tirtouch_in(place.path(), &[&["frames"], flags].concat());
         assert_eq!(code(&output), 2, "{output:?}");
@@ -149,6 +153,10 @@ fn bad_scans_and_tables_name_file_line_and_key() {
     place.write("tied.toml", &good.replace("kind = \"frictionless\"", "kind = \"tied\""));
     place.write("out.toml", &good.replace("depth_mm = 3.0", "depth_mm = 24.0"));
     place.write("sensor.toml", &small("tsis-paper"));
+    let end = good.find("[scan]").unwrap();
+    let second = "[[phantom.inclusion]]\nshape = { kind = \"sphere\", diameter_mm = 2.0 }\ndepth_mm = 3.0\ncenter_mm = [9.0, 0.0]\n\
+        material = { law = \"linear\", youngs_kpa = 50.0 }\n";
+    place.write("two.toml", &format!("{}{second}{}", &good[..end], &good[end..]));
     place.write("bad.csv", "position_mm,x_mm,pressure_kpa\n0,0,1\n0,1,nan\n");
     place.write("one.csv", "position_mm,x_mm,pressure_kpa\n0,0,1\n");
     let before = place.names();
@@ -159,6 +167,7 @@ fn bad_scans_and_tables_name_file_line_and_key() {
         (&["sensor.toml"], "sensor.toml", true, None, ""),
         (&["missing.toml"], "missing.toml", false, None, "missing.toml"),
         (&["frames-galea.toml"], "frames-galea.toml", false, None, "preset:frames-galea"),
+        (&["two.toml", "--invert"], "two.toml", false, Some("phantom.inclusion"), "one inclusion"),
         (&["--measured", "bad.csv"], "bad.csv", true, None, "pressure_kpa"),
         (&["--measured", "one.csv"], "one.csv", true, None, "places"),
         (&["--measured", "none.csv"], "none.csv", false, None, "cannot be read"),
@@ -173,5 +182,36 @@ fn bad_scans_and_tables_name_file_line_and_key() {
             assert_eq!(error["key"], key);
         }
         assert_eq!(place.names(), before, "nothing is written");
+    }
+}
+
+/// Frames that were computed of one tissue are inverted from a guess of another, from the table as from the scene.
+#[test]
+fn the_tissue_behind_frames_is_estimated() {
+    let place = Place::new();
+    let scan = scan().replace("from = -6.0, to = 6.0, count = 3", "from = -16.0, to = 16.0, count = 9");
+    let scan = scan.replace("frame_points = 33", "frame_points = 97").replace("resolution = 0.25", "resolution = 0.5");
+    place.write("guess.toml", &scan);
+    place.write(
+        "truth.toml",
+        &scan.replace("height_mm = 25.0", "height_mm = 21.0").replace("youngs_kpa = 12.8", "youngs_kpa = 9.0"),
+    );
+    let truth = tirtouch_in(place.path(), &["frames", "truth.toml", "-o", "truth", "--invert", "--json"]);
+    assert_eq!(code(&truth), 0, "{truth:?}");
+    let table = shown(place.path().join("truth/frames.csv"));
+    let flags = ["frames", "--measured", &table, "--calibration", "guess.toml", "-o", "found", "--json"];
+    let measured = tirtouch_in(place.path(), &flags);
+    assert_eq!(code(&measured), 0, "{measured:?}");
+    for (output, report) in [(truth, "truth/report.html"), (measured, "found/report.html")] {
+        let said = json(&output);
+        let tissue = &said["tissue"];
+        for (key, value) in [("thickness_mm", 21.0), ("tissue_youngs_kpa", 9.0), ("radius_mm", 5.0)] {
+            let number = |part: &str| tissue[key][part].as_f64().unwrap_or_else(|| panic!("{key}: {tissue}"));
+            assert!((number("value") / value - 1.0).abs() < 0.03, "{key}: {tissue}");
+            assert!(number("low") < number("value") && number("value") < number("high"), "{tissue}");
+        }
+        assert_eq!((&tissue["held"], tissue["fitted"].as_array().unwrap().len()), (&"depth".into(), 9));
+        let report = std::fs::read_to_string(place.path().join(report)).unwrap();
+        assert!(report.contains("The tissue that fits") && report.contains("Correlation of their errors"));
     }
 }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// What the command line names, read and found in order.
 pub(super) enum Input {
     /// A scan scene.
-    Scene(Box<(LoadedScan, ScanSetup)>),
+    Scene(Box<(LoadedScan, ScanSetup, PathBuf)>),
     /// Measured frames and their file.
     Measured(Frames, PathBuf),
 }
@@ -28,7 +28,7 @@ pub(super) fn read(scene: Option<&Path>, measured: Option<&Path>) -> Result<Inpu
             let setup = ScanSetup::from_scene(&loaded).map_err(|error| place(error.into()))?;
             // What cannot be meshed shows before the work.
             setup.tissue.build_2d().map_err(|error| place(Failure::input(error.to_string())))?;
-            Ok(Input::Scene(Box::new((loaded, setup))))
+            Ok(Input::Scene(Box::new((loaded, setup, file))))
         }
         (None, Some(file)) => Ok(Input::Measured(read_frames(file)?, file.to_path_buf())),
         _ => Err(Failure::usage("give either a scan scene or `--measured CSV`")),
@@ -44,18 +44,23 @@ impl Input {
         }
     }
 
-    /// The scene's window, mm.
-    pub fn window_mm(&self) -> Option<f64> {
+    /// The scene and its file.
+    pub fn scene(&self) -> Option<(&LoadedScan, &Path)> {
         match self {
-            Self::Scene(scene) => scene.0.scene.scan.window_mm,
+            Self::Scene(scene) => Some((&scene.0, &scene.2)),
             Self::Measured(..) => None,
         }
+    }
+
+    /// The scene's window, mm.
+    pub fn window_mm(&self) -> Option<f64> {
+        self.scene().and_then(|(loaded, _)| loaded.scene.scan.window_mm)
     }
 
     /// Computes the frames where they are not measured. Ctrl-C stops it.
     pub fn frames(self, shown_mm: f64, quiet: bool) -> Result<Source, Failure> {
         let name = self.name();
-        let (loaded, setup) = match self {
+        let (loaded, setup, _) = match self {
             Self::Scene(scene) => *scene,
             Self::Measured(frames, file) => return Ok(Source::measured(name, frames, &file)),
         };

@@ -74,7 +74,8 @@ pub fn features(frames: &Frames, reference: Reference, settings: &Settings) -> R
     Ok(frames.as_slice().iter().zip(references).map(|(frame, other)| of_frame(frame, other, settings)).collect())
 }
 
-fn of_frame(frame: &Frame, reference: &Frame, settings: &Settings) -> Features {
+/// The features of one frame; `reference` has its places.
+pub(crate) fn of_frame(frame: &Frame, reference: &Frame, settings: &Settings) -> Features {
     let touches = |p: &f64| *p > settings.contact_above_kpa;
     let contact = frame.pressure_kpa.iter().position(touches).zip(frame.pressure_kpa.iter().rposition(touches));
     let (base_kpa, parabola) = match contact {

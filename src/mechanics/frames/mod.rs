@@ -22,6 +22,7 @@ mod parabola;
 pub mod scan;
 mod table;
 
+pub(crate) use features::of_frame;
 pub use features::{Features, Reference, Settings, features};
 pub use parabola::Parabola;
 pub use table::{features_csv, frames_csv, read_frames};

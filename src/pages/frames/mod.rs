@@ -3,12 +3,14 @@
 mod page;
 mod pictures;
 mod source;
+mod tissue;
 
 pub use pictures::Pictures;
 pub use source::{Computed, Source};
 
 use super::PageError;
 use super::facts::{columns, figure};
+use crate::estimate::tissue::Tissue;
 use crate::figure::Figure;
 use crate::mechanics::frames::{Features, Frame, features_csv, frames_csv};
 use crate::output::OutputFolder;
@@ -24,6 +26,8 @@ pub struct Reading {
     pub noise_kpa: f64,
     /// Which frame is shown by itself.
     pub shown: usize,
+    /// What they say of the tissue, where that was asked.
+    pub tissue: Option<Tissue>,
 }
 
 impl Reading {
@@ -92,6 +96,10 @@ impl Reading {
                 Some(computed) => computed.json(),
                 None => json!({"undefined": "the frames are measured"}),
             },
+            "tissue": match &self.tissue {
+                Some(tissue) => json!(tissue),
+                None => json!({"undefined": "what the tissue is like was not asked"}),
+            },
             "notes": self.notes(),
         })
     }
@@ -115,9 +123,9 @@ impl Reading {
             row("width", said(&f.fwhm_mm, "mm at half of the peak")),
             row("eccentricity", said(&rounded(&f.eccentricity), "")),
             row("over all", self.ranges()),
-            row("folder", out.to_owned()),
-            row("report", format!("{out}/report.html")),
         ]);
+        rows.extend(self.tissue.iter().flat_map(|tissue| tissue::rows(tissue, &self.source)));
+        rows.extend([row("folder", out.to_owned()), row("report", format!("{out}/report.html"))]);
         format!("{}\n{}", self.source.name, columns(&rows))
     }
 

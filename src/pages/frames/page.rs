@@ -1,7 +1,7 @@
 //! The report of frames.
 
 use super::pictures::Pictures;
-use super::{Reading, rounded, said};
+use super::{Reading, rounded, said, tissue};
 use crate::figure::Figure;
 use crate::pages::facts::figure;
 use crate::pages::truth::truth_table;
@@ -11,6 +11,7 @@ use crate::report::{Item, Report, Section, Table};
 pub fn report(reading: &Reading, pictures: &Pictures) -> Report {
     let source = &reading.source;
     let mut sections = vec![frames(reading, pictures), features(reading, pictures)];
+    sections.extend(reading.tissue.as_ref().map(|tissue| tissue::section(tissue, &reading.source)));
     if let (Some(computed), Some(svg)) = (&source.computed, &pictures.pressed) {
         let caption = "Pressure within the tissue; the indenter comes from below, the rigid base is above.";
         let rows = computed.facts().into_iter().map(|(name, value)| vec![name, value]).collect();

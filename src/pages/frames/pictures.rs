@@ -1,6 +1,7 @@
 //! The pictures of frames.
 
 use super::{Computed, Reading};
+use crate::estimate::tissue::Fitted;
 use crate::figure::Figure;
 use crate::mechanics::frames::Features;
 use crate::pages::PageError;
@@ -55,6 +56,19 @@ impl Pictures {
         let kpa = AxisName { quantity: "pressure", unit: "kPa" };
         let peak = curve("peak of the parabola", all, |f| &f.peak_kpa);
         let base = curve("base: pressure at the window's ends", all, |f| &f.base_kpa);
+        let fitted = |name: &str, pick: fn(&Fitted) -> Option<f64>| fitted(name, reading, pick);
+        let pressures =
+            [peak, base, fitted("peak that fits", |f| f.peak_kpa), fitted("base that fits", |f| f.base_kpa)].concat();
+        let (read, fits) = match reading.tissue {
+            Some(_) => ("read off the frames", "tissue that fits"),
+            None => ("", ""),
+        };
+        let widths = [curve(read, all, |f| &f.fwhm_mm), fitted(fits, |f| f.fwhm_mm)].concat();
+        let leans = match source.computed {
+            // Its reference is another.
+            Some(_) => curve("", all, |f| &f.eccentricity),
+            None => [curve(read, all, |f| &f.eccentricity), fitted(fits, |f| f.eccentricity)].concat(),
+        };
         let width = AxisName { quantity: "full width at half of the peak", unit: "mm" };
         let lean = AxisName { quantity: "eccentricity", unit: "" };
         let reference = format!("compared with {}", source.reference_name());
@@ -62,9 +76,9 @@ impl Pictures {
         Ok(Self {
             frames: frames_image(&format!("{name}: pressure frames"), &source.frames, middle)?,
             frame: frame_picture(&frame)?,
-            pressure: plot("peak and base", &window, kpa, [peak, base].concat())?,
-            width: plot("width", &window, width, curve("", all, |f| &f.fwhm_mm))?,
-            eccentricity: plot("eccentricity", &reference, lean, curve("", all, |f| &f.eccentricity))?,
+            pressure: plot("peak and base", &window, kpa, pressures)?,
+            width: plot("width", &window, width, widths)?,
+            eccentricity: plot("eccentricity", &reference, lean, leans)?,
             pressed: pressed.transpose()?,
         })
     }
@@ -89,6 +103,14 @@ fn curve(name: &str, all: &[Features], pick: fn(&Features) -> &Figure) -> Vec<Cu
     // With gaps, a line would show what is not there.
     let style = if points.len() == all.len() && points.len() > 1 { CurveStyle::Line } else { CurveStyle::Points };
     vec![Curve { name: name.to_owned(), points, band: Vec::new(), style }]
+}
+
+/// A feature of the tissue that fits, where one was sought.
+fn fitted(name: &str, reading: &Reading, pick: fn(&Fitted) -> Option<f64>) -> Vec<Curve> {
+    let fitted = reading.tissue.as_ref().map_or(&[][..], |tissue| &tissue.fitted);
+    let points: Vec<[f64; 2]> = fitted.iter().filter_map(|f| Some([f.position_mm, pick(f)?])).collect();
+    let curve = Curve { name: name.to_owned(), points, band: Vec::new(), style: CurveStyle::Points };
+    (!curve.points.is_empty()).then_some(curve).into_iter().collect()
 }
 
 /// How much of the tissue beside the indenter is shown, in frames' half widths.

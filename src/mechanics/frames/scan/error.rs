@@ -30,6 +30,15 @@ pub enum ScanError {
         /// Why.
         cause: PathError,
     },
+    /// No depth was found at which the indenter carries the force.
+    #[error("the indenter at {position_mm} mm: no depth within the tissue has the force of the frame there")]
+    Force {
+        /// Position of the indenter, mm.
+        position_mm: f64,
+    },
+    /// Forces on tissue that is not linear.
+    #[error("a force can be held on linear tissue without friction only")]
+    ForceOfNonlinear,
     /// The frames do not belong together.
     #[error(transparent)]
     Frames(#[from] FramesError),

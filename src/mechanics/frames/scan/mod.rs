@@ -16,7 +16,7 @@ mod setup;
 mod shown;
 
 pub use error::{FrameError, ScanError};
-pub use run::{ScanSettings, Scanned, scan};
+pub use run::{Held, ScanSettings, Scanned, frames, scan};
 pub use setup::ScanSetup;
 pub use shown::Shown;
 

@@ -8,6 +8,7 @@ use crate::mechanics::mesh::{Boundary, Facet, Mesh};
 use crate::mechanics::newton::{LinearSolver, Solver};
 use crate::mechanics::path::{PathError, follow};
 use crate::mechanics::press::assembly::supports;
+use crate::mechanics::press::contact_points;
 use crate::mechanics::problem::{Problem, State};
 
 /// A position in balance.
@@ -15,6 +16,13 @@ pub(super) struct Pressed {
     pub problem: Problem,
     pub state: State,
     pub iterations: usize,
+}
+
+impl Pressed {
+    /// Force on the indenter, N per mm of its length.
+    pub fn force_n_per_mm(&self) -> f64 {
+        1e-3 * contact_points(&self.problem, 0, &self.state).iter().map(|point| point.force_mn).sum::<f64>()
+    }
 }
 
 /// The problem of one position in which these facets may touch; the load factor is the motion of the base in mm.
@@ -55,4 +63,39 @@ pub(super) fn press_linear(
     let problem = problem(setup, mesh, position_mm, &compliance.facets);
     let Balanced { state, iterations } = compliance.press(&problem, setup.depth_mm)?;
     Some(Pressed { problem, state, iterations })
+}
+
+/// Steps of the search for a depth, and how near its force must be, as a share.
+const STEPS: usize = 30;
+const FORCE_TOLERANCE: f64 = 1e-7;
+
+/// The same to the depth at which the indenter's force is this, N/mm; `None` where none is found within the dense part
+/// of the face. Between depths the force is a power of the depth, near enough.
+pub(super) fn press_to_force(
+    setup: &ScanSetup,
+    mesh: &Mesh,
+    compliance: &Compliance,
+    position_mm: f64,
+    force_n_per_mm: f64,
+) -> Option<Pressed> {
+    let mut setup = setup.clone();
+    let mut before: Option<[f64; 2]> = None;
+    let mut power = 1.3;
+    for _ in 0..STEPS {
+        if !Compliance::suits(&setup) {
+            return None;
+        }
+        let pressed = press_linear(&setup, mesh, compliance, position_mm)?;
+        let force = pressed.force_n_per_mm();
+        if (force / force_n_per_mm - 1.0).abs() < FORCE_TOLERANCE {
+            return Some(pressed);
+        }
+        let here = [setup.depth_mm.ln(), force.ln()];
+        if let Some([depth, force]) = before {
+            power = ((here[1] - force) / (here[0] - depth)).clamp(0.5, 4.0);
+        }
+        before = Some(here);
+        setup.depth_mm *= (force_n_per_mm / force).powf(1.0 / power);
+    }
+    None
 }

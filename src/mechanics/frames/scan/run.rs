@@ -1,7 +1,7 @@
 //! All positions of a scan.
 
 use super::compliance::Compliance;
-use super::press::{Pressed, press, press_linear};
+use super::press::{Pressed, press, press_linear, press_to_force};
 use super::sample::frame;
 use super::{FrameError, ScanError, ScanSetup, Shown};
 use crate::mechanics::frames::{Frame, Frames};
@@ -140,6 +140,57 @@ pub fn scan(
         seconds,
         error_seconds,
     })
+}
+
+/// What is the same at each position of a scan of unknown tissue.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Held<'a> {
+    /// The depth of the press, as the setup says.
+    Depth,
+    /// The force at each position, N per mm of the indenter's length.
+    Force(&'a [f64]),
+}
+
+/// The frames alone of the tissue as it is, on a mesh of it. `observe` is asked between positions, from any thread, and
+/// may stop it.
+///
+/// # Errors
+/// [`ScanError`]: forces can be held on linear tissue without friction only.
+pub fn frames(
+    setup: &ScanSetup,
+    mesh: &Mesh,
+    held: Held,
+    observe: &(dyn Fn() -> bool + Sync),
+) -> Result<Frames, ScanError> {
+    let compliance = match Compliance::suits(setup) {
+        true => Compliance::new(setup, mesh, &|_| observe())
+            .map_or(Ok(None), |made| made.map(Some).ok_or(ScanError::Stopped))?,
+        false => None,
+    };
+    let positions = 0..setup.positions_mm.len();
+    let pressed = positions.into_par_iter().map(|k| {
+        if !observe() {
+            return Err(ScanError::Stopped);
+        }
+        let position_mm = setup.positions_mm[k];
+        let failed = |cause| ScanError::Position { position_mm, tissue: "with its inclusions", cause };
+        let pressed = match (held, &compliance) {
+            (Held::Force(forces), Some(c)) => {
+                let force = forces.get(k).copied().unwrap_or(0.0);
+                press_to_force(setup, mesh, c, position_mm, force).ok_or(ScanError::Force { position_mm })?
+            }
+            (Held::Force(_), None) => return Err(ScanError::ForceOfNonlinear),
+            (Held::Depth, c) => match c.as_ref().and_then(|c| press_linear(setup, mesh, c, position_mm)) {
+                Some(pressed) => pressed,
+                None => press(setup, mesh, position_mm, &mut |_| observe()).map_err(|cause| match cause {
+                    PathError::Stopped => ScanError::Stopped,
+                    cause => failed(cause),
+                })?,
+            },
+        };
+        Ok(reduce(pressed, position_mm, &setup.places_mm, false).frame)
+    });
+    Ok(Frames::new(pressed.collect::<Result<_, _>>()?)?)
 }
 
 /// Compliances of both tissues, where they are linear enough and can be factorised.

@@ -1,0 +1,191 @@
+//! The inverse of Galea and Howe ("Tissue stiffness from tactile imaging"): tissue thickness t and modulus E_t, radius r
+//! and modulus E_l of a round inclusion, from the pressure frames of a scanned indenter.
+//!
+//! Each frame is reduced to peak, base, width and eccentricity ([`crate::mechanics::frames`]), of measured frames and
+//! of simulated ones alike, and the unknowns are sought by least squares over the features of all frames:
+//!
+//! ```text
+//! (y - f(x))' C^-1 (y - f(x)) -> least,   x = ln t, ln r, c = (k - 1)/(k + 1), ln E_t;   k = E_l / E_t
+//! ```
+//!
+//! c is how strongly a round bar of an incompressible plane answers to a strain far away; frames follow it almost
+//! linearly, while beyond k = 10 they hardly change with k. Moduli that are all scaled scale the pressures, so E_t
+//! costs no simulation where the depth of the press is known. The depth of the inclusion is not among the paper's four:
+//! it is known, or a fifth.
+//!
+//! - `unknowns.rs`: from unknowns to tissue, from tissue to features;
+//! - `noise.rs`: C, of the noise that frames show themselves and of the mesh;
+//! - `fit.rs`: Gauss-Newton steps with finite differences on a coarse mesh, which the difference of one scan on a fine
+//!   mesh puts right; draws of what is left open.
+//!
+//! Intervals are quantiles of draws from the linearised posterior, widened where the fit is worse than its noise. What
+//! the frames leave open (as uncertain as before, draws that gather at an end of the range, a fit that fails) is
+//! undefined, with the reason.
+
+mod fit;
+mod noise;
+mod unknowns;
+
+use super::Value;
+use crate::mechanics::frames::scan::ScanError;
+use crate::mechanics::frames::{Frames, FramesError};
+use crate::progress::Stage;
+use crate::scene::{Elastic, InclusionBody, LoadedScan, PhantomBody};
+use serde::Serialize;
+
+pub use noise::{Noise, noisy};
+
+/// What is known beside the frames, and what is sought.
+#[derive(Debug, Clone)]
+pub struct Question<'a> {
+    /// Indenter, depth of the press, interface, Poisson's ratios, and a guess of the tissue: ranges are about it.
+    pub scene: &'a LoadedScan,
+    /// Whether the depth of the press is not known; each frame's own force is held instead.
+    pub by_force: bool,
+    /// Whether the inclusion's depth is sought too.
+    pub free_depth: bool,
+    /// Half width of the window of the parabola, mm; absent: the whole contact.
+    pub window_mm: Option<f64>,
+    /// Pressure up to which a place counts as not in contact, kPa.
+    pub noise_kpa: f64,
+    /// Seed of the draws.
+    pub seed: u32,
+}
+
+/// What frames say of the tissue.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tissue {
+    /// What is the same at each position, and known: `depth` or `force`.
+    pub held: &'static str,
+    /// Thickness of the tissue, mm.
+    pub thickness_mm: Value,
+    /// Young's modulus of the tissue, kPa.
+    pub tissue_youngs_kpa: Value,
+    /// Radius of the inclusion, mm.
+    pub radius_mm: Value,
+    /// Young's modulus of the inclusion, kPa.
+    pub inclusion_youngs_kpa: Value,
+    /// Modulus of the inclusion over that of the tissue.
+    pub contrast: Value,
+    /// Depth of the inclusion, to the point that the scene counts to, mm; only where it is sought.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_mm: Option<Value>,
+    /// Correlation of the estimates as far as the frames' noise goes: names, and a row for each.
+    pub correlation: Correlation,
+    /// Noise of the frames, as they show it themselves.
+    pub noise: Noise,
+    /// Features that were fitted.
+    pub features: usize,
+    /// Sum of squares of what the fit leaves, in units of its noise, over the degrees of freedom: about 1.
+    pub reduced_chi_square: f64,
+    /// Scans that were simulated.
+    pub scans: usize,
+    /// The fitted features, frame by frame.
+    pub fitted: Vec<Fitted>,
+}
+
+/// Features of a frame of the tissue that fits best, those that were fitted.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fitted {
+    /// Position of the frame, mm.
+    pub position_mm: f64,
+    /// Peak of the parabola, kPa.
+    pub peak_kpa: Option<f64>,
+    /// Pressure at the ends of the window, kPa.
+    pub base_kpa: Option<f64>,
+    /// Width of the parabola, mm.
+    pub fwhm_mm: Option<f64>,
+    /// Asymmetry, against the frame farthest from position 0.
+    pub eccentricity: Option<f64>,
+}
+
+/// Correlations.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correlation {
+    /// Names of the estimates.
+    pub names: Vec<&'static str>,
+    /// A row for each.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// Why there are no estimates at all.
+#[derive(Debug, thiserror::Error)]
+pub enum TissueError {
+    /// The scene is not one tissue with one round inclusion.
+    #[error("{key}: {rule}")]
+    Scene {
+        /// Key in the scene.
+        key: &'static str,
+        /// What it must be.
+        rule: &'static str,
+    },
+    /// The frames.
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    /// Too little to fit.
+    #[error("{features} features of the frames can be fitted, {needed} at least must be")]
+    TooFew {
+        /// Those there are.
+        features: usize,
+        /// Those that are needed.
+        needed: usize,
+    },
+    /// A frame that is cut off tells no force.
+    #[error("the frame at {position_mm} mm ends within the contact: its force is not known")]
+    Cut {
+        /// Its position, mm.
+        position_mm: f64,
+    },
+    /// Overflow.
+    #[error("the frames' features are too large or too small to be fitted")]
+    NotFinite,
+    /// No tissue within the ranges could be scanned.
+    #[error("no tissue within the ranges can be scanned as the frames were: {0}")]
+    NoStart(String),
+    /// A scan failed.
+    #[error(transparent)]
+    Scan(#[from] ScanError),
+}
+
+/// Estimates from measured frames. `observe` hears how far it is and may stop it.
+///
+/// # Errors
+/// [`TissueError`]; an estimate that cannot be known is undefined instead.
+pub fn invert(
+    measured: &Frames,
+    question: &Question,
+    observe: &(dyn Fn(Stage) -> bool + Sync),
+) -> Result<Tissue, TissueError> {
+    check(question.scene)?;
+    fit::fit(measured, question, observe)
+}
+
+/// One tissue, one round inclusion, moduli that are numbers.
+///
+/// # Errors
+/// Names the key that is otherwise.
+pub fn check(loaded: &LoadedScan) -> Result<(), TissueError> {
+    let wrong = |key, rule| Err(TissueError::Scene { key, rule });
+    let phantom = &loaded.scene.phantom;
+    let simple = |material: &Elastic| matches!(material, Elastic::Linear { .. } | Elastic::NeoHookean { .. });
+    if !matches!(phantom.shape, PhantomBody::Block { .. }) {
+        return wrong("phantom.shape", "the inverse is that of a block");
+    }
+    if !phantom.layer.is_empty() {
+        return wrong("phantom.layer", "the inverse knows one tissue, without layers");
+    }
+    let [inclusion] = phantom.inclusion.as_slice() else {
+        return wrong("phantom.inclusion", "the inverse knows one inclusion; give one, as a guess");
+    };
+    if !matches!(inclusion.shape, InclusionBody::Sphere { .. }) || inclusion.center_mm != [0.0; 2] {
+        return wrong("phantom.inclusion[0]", "the inverse knows a round inclusion at x = 0");
+    }
+    if !simple(&phantom.material) || !simple(&inclusion.material) {
+        return wrong("phantom.material", "the inverse knows Young's moduli: law = \"linear\" or \"neo_hookean\"");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;
