@@ -1,5 +1,6 @@
-//! `calibrate`: learn what a sensor's frames say of an inclusion.
+//! `calibrate`: learn what a sensor's frames say of an inclusion; of a scene, calibrate its sensor.
 
+use super::calibrate_sensor;
 use super::command::described;
 use super::flags::positive;
 use super::sweep::How;
@@ -15,11 +16,13 @@ use std::path::{Path, PathBuf};
 /// Name of the file that is learnt.
 const FILE: &str = "calibration.json";
 
-/// Learn what a sensor's frames say of an inclusion, from phantoms that sweeps press and trace; `estimate
-/// --calibration` and `run --calibration` read frames by it.
+/// Learn what a sensor's frames say of an inclusion, from phantoms that sweeps press and trace; or, of a scene,
+/// calibrate its sensor: mm per pixel from a target, force from the sum of grey values. `estimate --calibration` and `run
+/// --calibration` read frames by either.
 #[derive(Debug, Args)]
 pub(super) struct Calibrate {
-    /// Calibration file: the sweeps to learn from; with --bound what was learnt (JSON).
+    /// Calibration file: the sweeps to learn from; with --bound what was learnt (JSON). Or a scene that presses, or
+    /// preset:NAME.
     calibration: PathBuf,
     /// Print how well size, depth and modulus can be known at best by what a calibration reads of frames: the
     /// Cramér-Rao bound.
@@ -42,6 +45,9 @@ impl Calibrate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         if self.bound {
             return self.bounds();
+        }
+        if calibrate_sensor::is_scene(&self.calibration) {
+            return calibrate_sensor::run(&self.calibration, self.how.as_common());
         }
         let parts = CalibrationFile::load(&self.calibration)?.calibrate;
         let name = self.calibration.file_stem().unwrap_or_default();

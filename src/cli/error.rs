@@ -301,7 +301,6 @@ impl From<ScanError> for Failure {
         match error {
             ScanError::Mesh(_) | ScanError::Material(_) => Self::input(error.to_string()),
             ScanError::File(file) => file.into(),
-            ScanError::ForceOfNonlinear => Self::input(error.to_string()),
             ScanError::Position { .. } | ScanError::Force { .. } | ScanError::Frames(_) => {
                 Self::failed(error.to_string())
             }
@@ -315,6 +314,7 @@ impl From<TissueError> for Failure {
         match error {
             TissueError::Scan(error) => error.into(),
             TissueError::Scene { key, .. } => Self::input(error.to_string()).at_key(key),
+            TissueError::Unpressed(_) => Self::failed(error.to_string()),
             _ => Self::input(error.to_string()),
         }
     }

@@ -6,8 +6,9 @@ use super::command;
 use super::flags::{finite, not_negative, positive};
 use super::{Failure, Outcome, Progress, Talk, cancel, note, print};
 use crate::estimate::tissue::{self, Question, Tissue, noisy};
+use crate::mechanics::frames::Frames;
 use crate::output::OutputFolder;
-use crate::pages::frames::{Pictures, Reading, Source};
+use crate::pages::frames::{Pictures, Reading};
 use crate::scene::{LoadedScan, open_scan};
 use clap::Args;
 use std::path::PathBuf;
@@ -21,15 +22,15 @@ pub(super) struct FramesCommand {
     /// Measured frames in place of a scene: CSV of position_mm,x_mm,pressure_kpa.
     #[arg(long, value_name = "CSV")]
     measured: Option<PathBuf>,
-    /// What is known beside measured frames, as a scan scene: indenter, depth of the press, depth of the inclusion. Then
-    /// the tissue is estimated from them; the scene's own is the guess from which it is sought.
+    /// What is known beside measured frames, as a scan scene: indenter, depth of the press, depth of the inclusion.
+    /// Then the tissue is estimated from them; the scene's own is the guess from which it is sought.
     #[arg(long, value_name = "SCAN", conflicts_with = "scene")]
     calibration: Option<PathBuf>,
     /// Estimate the tissue from the computed frames, with noise added: does the inverse find what the scene holds?
     #[arg(long, conflicts_with = "measured")]
     invert: bool,
     /// Noise that is added to computed frames before they are inverted, as a share of each pressure.
-    #[arg(long, value_name = "S", default_value = "0.01", value_parser = not_negative, requires = "invert")]
+    #[arg(long, value_name = "S", default_value = "0.01", value_parser = not_negative, requires = "invert", conflicts_with = "measured")]
     noise_share: f64,
     /// The depth of the press is not known: hold each frame's own force instead.
     #[arg(long)]
@@ -66,12 +67,19 @@ impl FramesCommand {
         let place = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(input.name()));
         let folder = OutputFolder::create(&place, self.force)?;
         let window_mm = self.window_mm.or(known.as_ref().map_or(input.window_mm(), |known| known.scene.scan.window_mm));
-        let source = input.frames(self.show_mm, self.talk.quiet)?;
+        let mut source = input.frames(self.show_mm, self.talk.quiet)?;
+        if let (Some(file), Some(known)) = (&self.calibration, &known) {
+            source.provenance.push((format!("{}'s SHA-256", file.display()), known.sha256.clone()));
+            source.inputs.insert(file.clone(), known.sha256.clone());
+        }
         let features =
             source.features(window_mm, self.noise_kpa).map_err(|error| Failure::failed(error.to_string()))?;
         let shown = source.nearest(self.show_mm);
-        let tissue = known.map(|known| self.tissue(&source, &known, window_mm)).transpose()?;
-        let reading = Reading { source, features, window_mm, noise_kpa: self.noise_kpa, shown, tissue };
+        let noisy = self.invert.then(|| noisy(&source.frames, self.noise_share, self.seed)).transpose();
+        let noisy = noisy.map_err(|error| Failure::failed(error.to_string()))?;
+        let frames = noisy.as_ref().unwrap_or(&source.frames);
+        let tissue = known.map(|known| self.tissue(frames, &known, window_mm)).transpose()?;
+        let reading = Reading { source, features, window_mm, noise_kpa: self.noise_kpa, shown, tissue, noisy };
         if !self.talk.quiet {
             reading.notes().iter().for_each(|line| note(line));
         }
@@ -95,11 +103,11 @@ impl FramesCommand {
             return Err(Failure::usage("give `--calibration SCAN` with measured frames, or `--invert` with a scene"));
         }
         let Some((known, file)) = known else { return Ok(None) };
-        tissue::check(&known).map_err(|error| Failure::from(error).in_file(&file))?;
+        tissue::check(&known, self.by_force).map_err(|error| Failure::from(error).in_file(&file))?;
         Ok(Some(known))
     }
 
-    fn tissue(&self, source: &Source, known: &LoadedScan, window_mm: Option<f64>) -> Result<Tissue, Failure> {
+    fn tissue(&self, frames: &Frames, known: &LoadedScan, window_mm: Option<f64>) -> Result<Tissue, Failure> {
         let question = Question {
             scene: known,
             by_force: self.by_force,
@@ -108,13 +116,8 @@ impl FramesCommand {
             noise_kpa: self.noise_kpa,
             seed: self.seed,
         };
-        let frames = match self.invert {
-            true => noisy(&source.frames, self.noise_share, self.seed)
-                .map_err(|error| Failure::failed(error.to_string()))?,
-            false => source.frames.clone(),
-        };
         let progress = Progress::new(self.talk.quiet);
-        let tissue = tissue::invert(&frames, &question, &|stage| {
+        let tissue = tissue::invert(frames, &question, &|stage| {
             progress.observe(stage.done, stage.what);
             !cancel::requested()
         })?;

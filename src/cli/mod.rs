@@ -6,6 +6,7 @@
 //! [`crate::output::OutputFolder`].
 
 mod calibrate;
+mod calibrate_sensor;
 pub mod cancel;
 mod command;
 mod compare;

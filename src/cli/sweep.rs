@@ -3,7 +3,7 @@
 use super::command::{command_line, described};
 use super::flags::Backend;
 use super::job::watched;
-use super::{Failure, Outcome, Talk, note, print};
+use super::{Common, Failure, Outcome, Talk, note, print};
 use crate::output::leftovers::leftovers;
 use crate::output::{RESULT, Records};
 use crate::pages::sweep::{text, write};
@@ -269,6 +269,17 @@ impl How {
     /// The folder that was asked for, or another.
     pub(super) fn place_or(&self, other: impl FnOnce() -> PathBuf) -> PathBuf {
         self.out.clone().unwrap_or_else(other)
+    }
+
+    /// What of this a single job has.
+    pub(super) fn as_common(&self) -> Common {
+        Common {
+            out: self.out.clone(),
+            force: self.force,
+            backend: self.backend,
+            talk: self.talk.clone(),
+            ..Common::default()
+        }
     }
 
     pub(super) fn is_quiet(&self) -> bool {

@@ -8,6 +8,7 @@ pub mod calibration;
 pub mod exposed;
 pub mod image;
 pub mod paper;
+pub mod sensor;
 mod spread;
 pub mod stiffness;
 mod threshold;

@@ -17,6 +17,7 @@ pub mod press_files;
 mod press_vtu;
 pub mod regimes;
 pub mod run;
+pub mod sensor;
 pub mod shot;
 mod side;
 pub mod stability;

@@ -181,3 +181,49 @@ fn the_camera_of_a_scene_gives_the_scale() {
     let said = refused(&place, &["estimate", &image, "--exposure", "preset:tsis-paper"]);
     assert!(said.contains("100 x 80") && said.contains("disc.png"), "{said}");
 }
+
+/// A sensor is calibrated by its scene, and the file serves to read frames of it.
+#[test]
+fn a_scene_calibrates_its_sensor() {
+    let place = Place::new();
+    let scene = small("phantom-size-8mm").replace("[render]", "[render]\nspp = 16");
+    let quick =
+        scene.replace("exposure_ms = 0.7", "exposure_ms = 0.01").replace("[press]", "[press]\nresolution = 0.5");
+    place.write("scene.toml", &quick);
+    let output = tirtouch_in(place.path(), &["calibrate", "scene.toml", "-o", "sensor", "--json"]);
+    assert_eq!(code(&output), 0, "{output:?}");
+    let said = json(&output);
+    let presses = said["presses"].as_array().unwrap();
+    assert_eq!(presses.len(), 8);
+    let of = |k: usize, key: &str| presses[k][key].as_f64().unwrap();
+    assert!(
+        (1..8).all(|k| of(k, "force_n") > of(k - 1, "force_n") && of(k, "sum_grey") > of(k - 1, "sum_grey")),
+        "{said}"
+    );
+    let (rms, left_out) = (said["force"]["rms_n"].as_f64().unwrap(), said["force"]["left_out_rms_n"].as_f64().unwrap());
+    assert!(rms > 0.0 && rms < left_out && left_out < 0.1, "{said}");
+    let rendered = tirtouch_in(place.path(), &["run", "scene.toml", "--without-inclusions", "-o", "run", "--json"]);
+    assert_eq!(code(&rendered), 0, "{rendered:?}");
+    let frame = shown(place.path().join("run/camera.png"));
+    let file = shown(place.path().join("sensor/calibration.toml"));
+    let earlier = json(&rendered)["earlier_frames"].as_array().unwrap()[0]["file"].as_str().unwrap().to_owned();
+    let first = shown(place.path().join("run").join(earlier));
+    let read = tirtouch_in(place.path(), &["estimate", &first, &frame, "--calibration", &file, "--json"]);
+    assert_eq!(code(&read), 0, "{read:?}");
+    let read = json(&read);
+    let force = read["stiffness"]["force_n"]["value"].as_f64().unwrap_or_else(|| panic!("{read}"));
+    let truth = json(&rendered)["mechanics"]["force_n"].as_f64().unwrap();
+    // Between the noise of light of two images that share no photons, 65,536 each, and the law's own.
+    assert!((force / truth - 1.0).abs() < 0.05, "{force} {truth}");
+    let saturated = quick.replace("exposure_ms = 0.01", "exposure_ms = 100");
+    for (name, text, key, words) in [
+        ("bright.toml", &saturated, "camera.sensor.exposure_ms", "saturated"),
+        ("flat.toml", &small("tsis-paper"), "press", "no [press]"),
+    ] {
+        place.write(name, text);
+        let output = tirtouch_in(place.path(), &["calibrate", name, "-o", "none", "--json"]);
+        assert_eq!((code(&output), &json(&output)["error"]["key"]), (2, &key.into()), "{output:?}");
+        assert!(json(&output)["error"]["message"].as_str().unwrap().contains(words), "{output:?}");
+        assert!(!place.path().join("none").exists());
+    }
+}

@@ -1,7 +1,7 @@
 //! The least-squares fit, and draws of what it leaves open.
 
 use super::noise::{KINDS, Noise, Seen};
-use super::unknowns::{DEPTH, MODULUS, MeshOf, NAMES, RADIUS, STRENGTH, Scanner, THICKNESS, contrast};
+use super::unknowns::{DEPTH, MODULUS, MeshOf, NAMES, RADIUS, STRENGTH, Scanner, THICKNESS, WORDS, contrast};
 use super::{Correlation, Fitted, Question, Tissue, TissueError, Value};
 use crate::camera::noise::PixelRandom;
 use crate::mechanics::frames::Frames;
@@ -35,8 +35,8 @@ const CORRECTIONS: usize = 4;
 const COARSE_ERROR: f64 = 0.005;
 /// Error of a feature on the fine mesh as a share of what that mesh put right, there and at the median of its kind; and
 /// the share that all of a kind have in common.
-const FINE_ERROR: f64 = 0.5;
-const SHARED: f64 = 0.5;
+const FINE_ERROR: f64 = 1.0;
+const SHARED: f64 = 1.0;
 /// Least size of a feature's error, kPa or mm.
 const LEAST_ERROR: f64 = 1e-6;
 /// Draws of the unknowns.
@@ -53,6 +53,8 @@ const FAILS: f64 = 6.0;
 #[derive(Clone)]
 struct Place {
     point: Vec<f64>,
+    /// As scanned, with the guessed modulus.
+    frames: Frames,
     features: Vec<f64>,
     /// Sum of squares of the whitened residual.
     cost: f64,
@@ -60,6 +62,7 @@ struct Place {
 
 struct Fit<'a> {
     scanner: Scanner<'a>,
+    measured: &'a Frames,
     seen: Seen,
     positions_mm: Vec<f64>,
     ranges: Vec<[f64; 2]>,
@@ -73,13 +76,13 @@ struct Fit<'a> {
     observe: &'a (dyn Fn(Stage) -> bool + Sync),
 }
 
-pub(super) fn fit(
-    measured: &Frames,
-    question: &Question,
-    observe: &(dyn Fn(Stage) -> bool + Sync),
+pub(super) fn fit<'a>(
+    measured: &'a Frames,
+    question: &'a Question<'a>,
+    observe: &'a (dyn Fn(Stage) -> bool + Sync),
 ) -> Result<Tissue, TissueError> {
     let scanner = Scanner::new(measured, question)?;
-    let noise = Noise::of(measured, question.noise_kpa);
+    let noise = Noise::of(measured, question.noise_kpa).ok_or(TissueError::NoNoise)?;
     let seen = Seen::of(measured, noise, &scanner.settings())?;
     let unknowns = scanner.unknowns();
     if seen.used.len() <= 2 * unknowns {
@@ -91,6 +94,7 @@ pub(super) fn fit(
     let mut fit = Fit {
         ranges: scanner.ranges(),
         correction: vec![0.0; seen.used.len()],
+        measured,
         positions_mm: measured.as_slice().iter().map(|frame| frame.position_mm).collect(),
         scanner,
         seen,
@@ -101,30 +105,32 @@ pub(super) fn fit(
     };
     let mut here = fit.start()?;
     let mut slopes = fit.descend(&mut here)?;
+    let mut settled = false;
     for _ in 0..CORRECTIONS {
         fit.put_right(&mut here)?;
         slopes = fit.slopes(&here)?;
         // On the coarse mesh features jump from tissue to tissue: the step is the slopes' own.
-        let step = fit.step(&slopes, &here, 0.0).ok_or(TissueError::NotFinite)?;
-        let mut shorter = step.clone();
-        let next = loop {
-            let point = fit.inside(here.point.iter().zip(&shorter).map(|(x, d)| x + d).collect());
-            match fit.at(point)? {
-                Ok(place) => break place,
-                Err(why) if fit.is_short(&slopes, &shorter) => return Err(TissueError::NoStart(why)),
-                Err(_) => shorter.iter_mut().for_each(|d| *d *= 0.5),
-            }
-        };
-        let way: Vec<f64> = next.point.iter().zip(&here.point).map(|(a, b)| a - b).collect();
-        let moved = Mat::from_fn(way.len(), 1, |k, _| way[k]);
-        let left = (fit.residual(&here.features) - &slopes * &moved).squared_norm_l2();
-        let cost = left + fit.penalty(&next.point);
-        here = Place { cost, ..next };
-        if fit.is_short(&slopes, &way) {
+        let mut step = fit.step(&slopes, &here, 0.0).ok_or(TissueError::NotFinite)?;
+        settled = fit.is_short(&slopes, &step);
+        if settled {
+            // What is said of the fit is that of the fine mesh before this step.
+            here.point = fit.inside(moved(&here.point, &step));
             break;
         }
+        here = loop {
+            match fit.at(fit.inside(moved(&here.point, &step)))? {
+                Ok(place) => break place,
+                Err(why) if fit.is_short(&slopes, &step) => return Err(TissueError::Unpressed(why)),
+                Err(_) => step.iter_mut().for_each(|d| *d *= 0.5),
+            }
+        };
     }
-    Ok(fit.tissue(&here, &slopes, question, noise))
+    Ok(fit.tissue(&here, &slopes, settled, question, noise))
+}
+
+/// A point after a step.
+fn moved(point: &[f64], step: &[f64]) -> Vec<f64> {
+    point.iter().zip(step).map(|(x, d)| x + d).collect()
 }
 
 impl Fit<'_> {
@@ -133,28 +139,29 @@ impl Fit<'_> {
         (self.observe)(Stage { done: done.min(0.99), what: "fitting the tissue" })
     }
 
-    /// Used features of a tissue; none where there is no such tissue.
-    fn features(&self, point: &[f64], mesh: MeshOf) -> Result<Result<Vec<f64>, String>, TissueError> {
-        let frames = match self.scanner.scan(point, mesh, &|| self.keeps_on())? {
-            Ok(frames) => frames,
-            Err(why) => return Ok(Err(why)),
-        };
-        self.scans.fetch_add(1, Ordering::Relaxed);
-        let picked = self.seen.pick(&self.scanner.features(&frames)?);
-        let scaled = |mut values: Vec<f64>| {
-            let scale = self.scanner.scale(point);
-            values
-                .iter_mut()
-                .zip(&self.seen.used)
-                .filter(|(_, place)| **place % KINDS < 2)
-                .for_each(|(v, _)| *v *= scale);
-            values
-        };
+    /// Frames of a tissue; the reason where there is no such tissue.
+    fn scan(&self, point: &[f64], mesh: MeshOf) -> Result<Result<Frames, String>, TissueError> {
+        let scanned = self.scanner.scan(point, mesh, &|| self.keeps_on())?;
+        self.scans.fetch_add(usize::from(scanned.is_ok()), Ordering::Relaxed);
+        Ok(scanned)
+    }
+
+    /// Used features of frames with the modulus of a point; the reason where too many are missing.
+    fn read(&self, frames: &Frames, point: &[f64]) -> Result<Result<Vec<f64>, String>, TissueError> {
+        let picked = self.seen.pick(&self.scanner.features(frames, point)?);
         let missing = picked.iter().filter(|value| value.is_nan()).count() as f64;
         Ok(match missing > MOST_MISSING * picked.len() as f64 {
             true => Err("the frames have not the features of the measured ones".to_owned()),
-            false => Ok(scaled(picked)),
+            false => Ok(picked),
         })
+    }
+
+    /// Used features of a tissue.
+    fn features(&self, point: &[f64], mesh: MeshOf) -> Result<Result<Vec<f64>, String>, TissueError> {
+        match self.scan(point, mesh)? {
+            Ok(frames) => self.read(&frames, point),
+            Err(why) => Ok(Err(why)),
+        }
     }
 
     fn whitened(&self, values: &[f64]) -> Mat<f64> {
@@ -179,8 +186,18 @@ impl Fit<'_> {
     }
 
     fn at(&self, point: Vec<f64>) -> Result<Result<Place, String>, TissueError> {
-        let found = self.features(&point, MeshOf::Coarse)?;
-        Ok(found.map(|features| Place { cost: self.cost(&features) + self.penalty(&point), point, features }))
+        match self.scan(&point, MeshOf::Coarse)? {
+            Ok(frames) => self.place(point, frames),
+            Err(why) => Ok(Err(why)),
+        }
+    }
+
+    fn place(&self, point: Vec<f64>, frames: Frames) -> Result<Result<Place, String>, TissueError> {
+        let read = self.read(&frames, &point)?;
+        Ok(read.map(|features| {
+            let cost = self.cost(&features) + self.penalty(&point);
+            Place { point, frames, features, cost }
+        }))
     }
 
     /// The best of some tissues, each with the modulus that suits it best.
@@ -198,9 +215,11 @@ impl Fit<'_> {
                 };
                 let point: Vec<f64> = self.ranges.iter().enumerate().map(within).collect();
                 if !self.scanner.is_scanned(MODULUS) {
-                    return Ok(self.at(point)?.and_then(|place| self.scaled(place)));
+                    return self.scaled(point);
                 }
-                match self.scanner.as_stiff(&point, &|| self.keeps_on())? {
+                let stiff = self.scanner.as_stiff(&point, &|| self.keeps_on())?;
+                self.scans.fetch_add(1, Ordering::Relaxed);
+                match stiff {
                     Ok(point) => self.at(self.inside(point)),
                     Err(why) => Ok(Err(why)),
                 }
@@ -218,24 +237,18 @@ impl Fit<'_> {
         best.ok_or(TissueError::NoStart(why))
     }
 
-    /// The same tissue with the modulus that makes its pressures those of the frames, by their size.
-    fn scaled(&self, mut place: Place) -> Result<Place, String> {
-        let pressures = |values: &[f64]| -> f64 {
-            let kept = values.iter().zip(&self.seen.used).filter(|(_, place)| **place % KINDS == 0);
-            kept.map(|(v, _)| or_nothing(*v)).sum()
+    /// A tissue with the modulus that makes its pressures those of the frames, by their sum.
+    fn scaled(&self, mut point: Vec<f64>) -> Result<Result<Place, String>, TissueError> {
+        let frames = match self.scan(&point, MeshOf::Coarse)? {
+            Ok(frames) => frames,
+            Err(why) => return Ok(Err(why)),
         };
-        let factor: f64 = pressures(&self.seen.values) / pressures(&place.features);
+        let factor = sum(self.measured) / (sum(&frames) * self.scanner.scale(&point));
         if !(factor > 0.0 && factor.is_finite()) {
-            return Err("the frames have no peak".to_owned());
+            return Ok(Err("the frames have no pressure".to_owned()));
         }
-        place.point[MODULUS] += factor.ln();
-        for (value, at) in place.features.iter_mut().zip(&self.seen.used) {
-            if at % KINDS < 2 {
-                *value *= factor;
-            }
-        }
-        place.cost = self.cost(&place.features) + self.penalty(&place.point);
-        Ok(place)
+        point[MODULUS] += factor.ln();
+        self.place(self.inside(point), frames)
     }
 
     fn inside(&self, point: Vec<f64>) -> Vec<f64> {
@@ -248,8 +261,10 @@ impl Fit<'_> {
             .into_par_iter()
             .map(|k| {
                 if !self.scanner.is_scanned(k) {
-                    let of_pressure = |(v, at): (&f64, &usize)| if at % KINDS < 2 { or_nothing(*v) } else { 0.0 };
-                    return Ok(here.features.iter().zip(&self.seen.used).map(of_pressure).collect());
+                    let mut point = here.point.clone();
+                    point[k] += STEP;
+                    let other = self.read(&here.frames, &point)?.map_err(TissueError::Unpressed)?;
+                    return Ok(change(&other, &here.features, STEP));
                 }
                 let mut why = String::new();
                 for step in [STEP, -STEP] {
@@ -257,16 +272,12 @@ impl Fit<'_> {
                     point[k] += step;
                     match self.features(&point, MeshOf::Neighbour(&here.point))? {
                         Ok(features) => {
-                            return Ok(features
-                                .iter()
-                                .zip(&here.features)
-                                .map(|(a, b)| or_nothing((a - b) / step))
-                                .collect());
+                            return Ok(change(&features, &here.features, step));
                         }
                         Err(reason) => why = reason,
                     }
                 }
-                Err(TissueError::NoStart(why))
+                Err(TissueError::Unpressed(why))
             })
             .collect::<Result<_, TissueError>>()?;
         let mut slopes = Mat::zeros(self.seen.used.len(), columns.len());
@@ -276,8 +287,8 @@ impl Fit<'_> {
         Ok(slopes)
     }
 
-    /// Gauss-Newton steps with damping until they are short. The slopes follow the steps (Broyden), and are computed anew
-    /// where a step fails by them.
+    /// Gauss-Newton steps with damping until they are short. The slopes follow the steps (Broyden), and are computed
+    /// anew where a step fails by them.
     fn descend(&self, here: &mut Place) -> Result<Mat<f64>, TissueError> {
         let (mut slopes, mut fresh) = (self.slopes(here)?, true);
         let (mut damping, mut fails) = (0.0, 0);
@@ -286,7 +297,7 @@ impl Fit<'_> {
             if damping == 0.0 && step.as_ref().is_some_and(|step| self.is_short(&slopes, step)) {
                 break;
             }
-            let point = step.map(|step| self.inside(here.point.iter().zip(&step).map(|(x, d)| x + d).collect()));
+            let point = step.map(|step| self.inside(moved(&here.point, &step)));
             let tried = match point {
                 Some(point) => self.at(point)?.ok(),
                 None => None,
@@ -329,7 +340,7 @@ impl Fit<'_> {
     /// The step of a damped linear fit, at most `FARTHEST` in any coordinate. Damping is a share of the squares of the
     /// slopes.
     fn step(&self, slopes: &Mat<f64>, here: &Place, damping: f64) -> Option<Vec<f64>> {
-        let mut normal = self.normal(slopes);
+        let mut normal = self.normal(slopes, 1.0);
         (0..normal.nrows()).for_each(|k| normal[(k, k)] *= 1.0 + damping);
         let mut right = slopes.transpose() * self.residual(&here.features);
         for (k, range) in self.ranges.iter().enumerate() {
@@ -346,9 +357,9 @@ impl Fit<'_> {
         self.ranges.iter().zip(point).map(|(range, x)| (x - middle(range)).powi(2) / variance(range)).sum()
     }
 
-    /// The inverse of the unknowns' covariance.
-    fn normal(&self, slopes: &Mat<f64>) -> Mat<f64> {
-        let mut normal = slopes.transpose() * slopes;
+    /// The inverse of the unknowns' covariance, where that of the features is widened by a factor.
+    fn normal(&self, slopes: &Mat<f64>, widened: f64) -> Mat<f64> {
+        let mut normal = slopes.transpose() * slopes * faer::Scale(1.0 / widened);
         self.ranges.iter().enumerate().for_each(|(k, range)| normal[(k, k)] += 1.0 / variance(range));
         normal
     }
@@ -360,7 +371,7 @@ impl Fit<'_> {
 
     /// Takes what a fine mesh adds at this tissue for what it adds nearby.
     fn put_right(&mut self, here: &mut Place) -> Result<(), TissueError> {
-        let fine = self.features(&here.point, MeshOf::Fine)?.map_err(TissueError::NoStart)?;
+        let fine = self.features(&here.point, MeshOf::Fine)?.map_err(TissueError::Unpressed)?;
         self.correction = fine.iter().zip(&here.features).map(|(fine, coarse)| or_nothing(fine - coarse)).collect();
         let typical = typical_by_kind(&self.seen, &self.correction);
         let error = |(d, place): (&f64, &usize)| FINE_ERROR * (d.abs() + typical[place % KINDS]);
@@ -371,30 +382,27 @@ impl Fit<'_> {
     }
 
     /// What is said of the tissue.
-    fn tissue(&self, here: &Place, slopes: &Mat<f64>, question: &Question, noise: Noise) -> Tissue {
-        let freedom = (self.seen.used.len() - here.point.len()) as f64;
-        let chi = (here.cost - self.penalty(&here.point)) / freedom;
+    fn tissue(&self, here: &Place, slopes: &Mat<f64>, settled: bool, question: &Question, noise: Noise) -> Tissue {
+        let missing = here.features.iter().filter(|value| value.is_nan()).count() as f64;
+        let freedom = (self.seen.used.len() - here.point.len()) as f64 - missing;
+        let chi = self.residual(&here.features).squared_norm_l2() / freedom.max(1.0);
         let told = Told::of(self, here, slopes, chi.max(1.0), question.seed);
-        let fails = (chi > FAILS).then(|| {
-            format!(
-                "the frames are not those of such a tissue: the fit leaves {:.1} times what noise and mesh explain",
-                chi.sqrt()
-            )
-        });
-        let value = |name: &str, of: &dyn Fn(&[f64]) -> f64, unknowns: &[usize]| match (&fails, &told) {
+        let fails = self.fails(here, chi, settled);
+        let value = |of: &dyn Fn(&[f64]) -> f64, unknowns: &[usize]| match (&fails, &told) {
             (Some(why), _) => Value::undefined(why),
             (None, None) => Value::undefined("the covariance of the estimates has no factor"),
-            (None, Some(told)) => told.value(name, &here.point, of, unknowns, &self.ranges),
+            (None, Some(told)) => told.value(&here.point, of, unknowns, &self.ranges),
         };
         let modulus = |x: &[f64]| x[MODULUS].exp();
         Tissue {
             held: if question.by_force { "force" } else { "depth" },
-            thickness_mm: value("thickness", &|x| x[THICKNESS].exp(), &[THICKNESS]),
-            tissue_youngs_kpa: value("tissue's modulus", &modulus, &[MODULUS]),
-            radius_mm: value("radius", &|x| x[RADIUS].exp(), &[RADIUS]),
-            inclusion_youngs_kpa: value("contrast", &|x| modulus(x) * contrast(x[STRENGTH]), &[STRENGTH, MODULUS]),
-            contrast: value("contrast", &|x| contrast(x[STRENGTH]), &[STRENGTH]),
-            depth_mm: question.free_depth.then(|| value("depth", &|x| x[DEPTH].exp(), &[DEPTH])),
+            thickness_mm: value(&|x| x[THICKNESS].exp(), &[THICKNESS]),
+            tissue_youngs_kpa: value(&modulus, &[MODULUS]),
+            radius_mm: value(&|x| x[RADIUS].exp(), &[RADIUS]),
+            // Of a weak inclusion frames tell a product of contrast and size, at some depth.
+            inclusion_youngs_kpa: value(&|x| modulus(x) * contrast(x[STRENGTH]), &[STRENGTH, RADIUS, DEPTH, MODULUS]),
+            contrast: value(&|x| contrast(x[STRENGTH]), &[STRENGTH, RADIUS, DEPTH]),
+            depth_mm: question.free_depth.then(|| value(&|x| x[DEPTH].exp(), &[DEPTH])),
             correlation: Correlation {
                 names: NAMES[..here.point.len()].to_vec(),
                 rows: told.as_ref().map(Told::correlation).unwrap_or_default(),
@@ -402,9 +410,35 @@ impl Fit<'_> {
             noise,
             features: self.seen.used.len(),
             reduced_chi_square: chi,
+            reference: "the frame farthest from position 0",
             scans: self.scans.load(Ordering::Relaxed),
             fitted: self.fitted(here),
         }
+    }
+
+    /// Why nothing is said of the tissue.
+    fn fails(&self, here: &Place, chi: f64, settled: bool) -> Option<String> {
+        if settled && chi <= FAILS {
+            return None;
+        }
+        let at_end = |k: &usize| {
+            let [low, high] = self.ranges[*k];
+            let margin = 0.01 * (high - low);
+            here.point[*k] < low + margin || here.point[*k] > high - margin
+        };
+        if let Some(k) = (0..here.point.len()).find(at_end) {
+            return Some(format!(
+                "nothing fits within the ranges: the {} goes to an end of its own; is the guess right, are the units?",
+                WORDS[k]
+            ));
+        }
+        Some(match settled {
+            true => format!(
+                "the frames are not those of such a tissue: the fit leaves {:.1} times what noise and mesh explain",
+                chi.sqrt()
+            ),
+            false => "the fit did not settle".to_owned(),
+        })
     }
 
     /// The features that were fitted, frame by frame.
@@ -430,10 +464,10 @@ struct Told {
 
 impl Told {
     fn of(fit: &Fit, here: &Place, slopes: &Mat<f64>, widened: f64, seed: u32) -> Option<Self> {
-        let covariance = Llt::new(fit.normal(slopes).as_ref(), Side::Lower).ok()?.inverse() * faer::Scale(widened);
+        let covariance = Llt::new(fit.normal(slopes, widened).as_ref(), Side::Lower).ok()?.inverse();
         let spread = Llt::new(covariance.as_ref(), Side::Lower).ok()?;
         let n = here.point.len();
-        let mut random = PixelRandom::new(seed, 0);
+        let mut random = PixelRandom::new(seed, u32::MAX);
         let all: Vec<Vec<f64>> = (0..DRAWS)
             .map(|_| {
                 let z = Mat::from_fn(n, 1, |_, _| random.normal());
@@ -459,28 +493,22 @@ impl Told {
         (0..n).map(|i| (0..n).map(|j| of(i, j)).collect()).collect()
     }
 
-    /// A function of the unknowns, with the middle 95 % of its draws.
-    fn value(
-        &self,
-        name: &str,
-        best: &[f64],
-        of: &dyn Fn(&[f64]) -> f64,
-        unknowns: &[usize],
-        ranges: &[[f64; 2]],
-    ) -> Value {
+    /// A function of these unknowns, with the middle 95 % of its draws.
+    fn value(&self, best: &[f64], of: &dyn Fn(&[f64]) -> f64, unknowns: &[usize], ranges: &[[f64; 2]]) -> Value {
+        let sought = || unknowns.iter().copied().filter(|&k| k < best.len());
+        if let Some(k) = sought().find(|&k| self.covariance[(k, k)] > TOLD * variance(&ranges[k])) {
+            return Value::undefined(format!("the frames hardly tell the {}", WORDS[k]));
+        }
+        if let Some(k) = sought().find(|&k| self.at_end[k] > MOST_AT_END) {
+            let side = if best[k] > middle(&ranges[k]) { "upper" } else { "lower" };
+            return Value::undefined(format!(
+                "the {} is not told apart from the {side} end of the range in which it is sought",
+                WORDS[k]
+            ));
+        }
         let mut drawn: Vec<f64> = self.draws.iter().map(|draw| of(draw)).collect();
         drawn.sort_by(f64::total_cmp);
         let quantile = |share: f64| drawn.get((share * drawn.len().saturating_sub(1) as f64).round() as usize).copied();
-        let is_open = |k: usize| self.covariance[(k, k)] > TOLD * variance(&ranges[k]);
-        if unknowns.iter().any(|&k| is_open(k)) {
-            return Value::undefined(format!("the frames do not tell the {name}: it is as uncertain as it was before"));
-        }
-        if let Some(&k) = unknowns.iter().find(|&&k| self.at_end[k] > MOST_AT_END) {
-            let side = if best[k] > 0.5 * (ranges[k][0] + ranges[k][1]) { "upper" } else { "lower" };
-            return Value::undefined(format!(
-                "the {name} is not told apart from the {side} end of the range in which it is sought"
-            ));
-        }
         match (quantile(0.025), quantile(0.975)) {
             (Some(low), Some(high)) => {
                 let value = of(best).clamp(low, high);
@@ -498,6 +526,16 @@ fn middle([low, high]: &[f64; 2]) -> f64 {
 
 fn variance([low, high]: &[f64; 2]) -> f64 {
     (high - low).powi(2) / 12.0
+}
+
+/// Slopes of features by finite differences.
+fn change(to: &[f64], from: &[f64], step: f64) -> Vec<f64> {
+    to.iter().zip(from).map(|(a, b)| or_nothing((a - b) / step)).collect()
+}
+
+/// Sum of all pressures.
+fn sum(frames: &Frames) -> f64 {
+    frames.as_slice().iter().flat_map(|frame| &frame.pressure_kpa).sum()
 }
 
 /// A number, or 0 where a feature is missing.

@@ -1,5 +1,5 @@
-//! The inverse of Galea and Howe ("Tissue stiffness from tactile imaging"): tissue thickness t and modulus E_t, radius r
-//! and modulus E_l of a round inclusion, from the pressure frames of a scanned indenter.
+//! The inverse of Galea and Howe ("Tissue stiffness from tactile imaging"): tissue thickness t and modulus E_t, radius
+//! r and modulus E_l of a round inclusion, from the pressure frames of a scanned indenter.
 //!
 //! Each frame is reduced to peak, base, width and eccentricity ([`crate::mechanics::frames`]), of measured frames and
 //! of simulated ones alike, and the unknowns are sought by least squares over the features of all frames:
@@ -30,7 +30,7 @@ use super::Value;
 use crate::mechanics::frames::scan::ScanError;
 use crate::mechanics::frames::{Frames, FramesError};
 use crate::progress::Stage;
-use crate::scene::{Elastic, InclusionBody, LoadedScan, PhantomBody};
+use crate::scene::{Elastic, InclusionBody, Interface, LoadedScan, PhantomBody};
 use serde::Serialize;
 
 pub use noise::{Noise, noisy};
@@ -78,6 +78,8 @@ pub struct Tissue {
     pub features: usize,
     /// Sum of squares of what the fit leaves, in units of its noise, over the degrees of freedom: about 1.
     pub reduced_chi_square: f64,
+    /// What the eccentricities that were fitted compare with.
+    pub reference: &'static str,
     /// Scans that were simulated.
     pub scans: usize,
     /// The fitted features, frame by frame.
@@ -139,6 +141,29 @@ pub enum TissueError {
     /// Overflow.
     #[error("the frames' features are too large or too small to be fitted")]
     NotFinite,
+    /// The noise is not known.
+    #[error("too few places of the frames are in contact to tell their noise: some ten a frame are needed")]
+    NoNoise,
+    /// A window that frames do not hold.
+    #[error("a window of {window} mm on each side is more than the frames have: {half} mm")]
+    Window {
+        /// The window asked for, mm.
+        window: f64,
+        /// Half the frames' width, mm.
+        half: f64,
+    },
+    /// Where noise decides where the contact ends, features of the whole contact jump.
+    #[error("with pressures that count as noise the inverse needs a window within the contact")]
+    NoWindow,
+    /// A tissue that was found cannot be scanned.
+    #[error("the fit stopped at a tissue that cannot be scanned: {0}")]
+    Unpressed(String),
+    /// A frame without contact has no force.
+    #[error("the frame at {position_mm} mm has no force: nothing touches there")]
+    NoForce {
+        /// Its position, mm.
+        position_mm: f64,
+    },
     /// No tissue within the ranges could be scanned.
     #[error("no tissue within the ranges can be scanned as the frames were: {0}")]
     NoStart(String),
@@ -156,15 +181,25 @@ pub fn invert(
     question: &Question,
     observe: &(dyn Fn(Stage) -> bool + Sync),
 ) -> Result<Tissue, TissueError> {
-    check(question.scene)?;
+    check(question.scene, question.by_force)?;
+    let half =
+        measured.as_slice().first().map_or(0.0, |frame| frame.x_mm.iter().fold(0.0, |far: f64, x| far.max(x.abs())));
+    match question.window_mm {
+        Some(window) if window > half => return Err(TissueError::Window { window, half }),
+        None if question.noise_kpa > 0.0 => return Err(TissueError::NoWindow),
+        _ => {}
+    }
     fit::fit(measured, question, observe)
 }
 
-/// One tissue, one round inclusion, moduli that are numbers.
+/// Largest Poisson's ratio of tissue on which a force is held, by its compliance.
+const MOST_POISSON: f64 = 0.49995;
+
+/// One tissue, one round inclusion, moduli that are numbers; linear tissue that slides where a force is held.
 ///
 /// # Errors
 /// Names the key that is otherwise.
-pub fn check(loaded: &LoadedScan) -> Result<(), TissueError> {
+pub fn check(loaded: &LoadedScan, by_force: bool) -> Result<(), TissueError> {
     let wrong = |key, rule| Err(TissueError::Scene { key, rule });
     let phantom = &loaded.scene.phantom;
     let simple = |material: &Elastic| matches!(material, Elastic::Linear { .. } | Elastic::NeoHookean { .. });
@@ -180,8 +215,19 @@ pub fn check(loaded: &LoadedScan) -> Result<(), TissueError> {
     if !matches!(inclusion.shape, InclusionBody::Sphere { .. }) || inclusion.center_mm != [0.0; 2] {
         return wrong("phantom.inclusion[0]", "the inverse knows a round inclusion at x = 0");
     }
-    if !simple(&phantom.material) || !simple(&inclusion.material) {
-        return wrong("phantom.material", "the inverse knows Young's moduli: law = \"linear\" or \"neo_hookean\"");
+    let youngs = "the inverse knows Young's moduli: law = \"linear\" or \"neo_hookean\"";
+    if !simple(&phantom.material) {
+        return wrong("phantom.material", youngs);
+    }
+    if !simple(&inclusion.material) {
+        return wrong("phantom.inclusion[0].material", youngs);
+    }
+    let can_hold = |material: &Elastic| matches!(material, Elastic::Linear { poisson, .. } if *poisson <= MOST_POISSON);
+    if by_force && !(can_hold(&phantom.material) && can_hold(&inclusion.material)) {
+        return wrong("phantom.material", "a force is held on tissues that are linear, with poisson at most 0.49995");
+    }
+    if by_force && loaded.scene.scan.interface != Interface::Frictionless {
+        return wrong("scan.interface", "a force is held on tissue that slides freely: kind = \"frictionless\"");
     }
     Ok(())
 }

@@ -15,6 +15,8 @@ pub(super) const KINDS: usize = 4;
 
 /// Places at each end of a contact that are left out: the pressure's slope is infinite at the end.
 const ENDS: usize = 3;
+/// Fewest third differences that tell the noise.
+const LEAST_DIFFERENCES: usize = 40;
 /// An eccentricity counts where what the inclusion adds is this many times the noise, and this share of the highest
 /// pressure: below, the integral of its absolute value is that of noise, or of the mesh.
 const ABOVE_NOISE: f64 = 5.0;
@@ -32,8 +34,8 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// The noise that frames show.
-    pub fn of(frames: &Frames, contact_above_kpa: f64) -> Self {
+    /// The noise that frames show; none where too few places are in contact.
+    pub fn of(frames: &Frames, contact_above_kpa: f64) -> Option<Self> {
         // Squares of the scaled third difference, with the pressure.
         let mut squares: Vec<[f64; 2]> = Vec::new();
         for frame in frames.as_slice() {
@@ -44,6 +46,9 @@ impl Noise {
                 let (x, p) = (&frame.x_mm[k..k + 4], &frame.pressure_kpa[k..k + 4]);
                 squares.push([0.25 * p.iter().sum::<f64>(), third_difference(x, p).powi(2)]);
             }
+        }
+        if squares.len() < LEAST_DIFFERENCES {
+            return None;
         }
         squares.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let mean = |part: &[[f64; 2]]| {
@@ -57,7 +62,7 @@ impl Noise {
             slope if slope * p_low > e_low => (e / p, 0.0),
             slope => (slope, e_low - slope * p_low),
         };
-        Self { constant_kpa: constant.sqrt(), share: square.sqrt() }
+        Some(Self { constant_kpa: constant.sqrt(), share: square.sqrt() })
     }
 
     fn variance(&self, pressure_kpa: f64) -> f64 {

@@ -13,7 +13,8 @@ pub(super) const STRENGTH: usize = 2;
 pub(super) const MODULUS: usize = 3;
 pub(super) const DEPTH: usize = 4;
 
-/// Names of the unknowns as estimates.
+/// Names of the unknowns in words, and as estimates.
+pub(super) const WORDS: [&str; 5] = ["thickness", "radius", "contrast", "tissue's modulus", "depth"];
 pub(super) const NAMES: [&str; 5] = ["thickness_mm", "radius_mm", "contrast", "tissue_youngs_kpa", "depth_mm"];
 
 /// How far from the guess unknowns are sought: thickness, radius, modulus and depth as factors, the contrast itself.
@@ -32,7 +33,7 @@ pub(super) enum MeshOf<'a> {
     Coarse,
     /// Its own, fine.
     Fine,
-    /// The coarse one of this tissue nearby, its nodes moved: features then differ as the tissues do, and not as meshes.
+    /// The coarse one of this tissue nearby, its nodes moved: features then differ as tissues do, not as meshes.
     Neighbour(&'a [f64]),
 }
 
@@ -151,7 +152,7 @@ impl<'a> Scanner<'a> {
         point[MODULUS].exp() / self.guess.youngs_kpa
     }
 
-    /// Frames of a tissue with the guessed modulus; the reason where there is no such tissue, or it cannot be pressed so.
+    /// Frames of a tissue with the guessed modulus; the reason where there is no such tissue, or none pressed so.
     pub fn scan(
         &self,
         point: &[f64],
@@ -174,8 +175,8 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// The same tissue with the modulus at which the scene's depth has the frames' forces, taken together; the reason where
-    /// it cannot be pressed so deep.
+    /// The same tissue with the modulus at which the scene's depth has the frames' forces, taken together; the reason
+    /// where it cannot be pressed so deep.
     pub fn as_stiff(
         &self,
         point: &[f64],
@@ -229,6 +230,8 @@ impl<'a> Scanner<'a> {
                 inclusion.depth_mm = depth.exp();
             }
         }
+        // Windows are the question's.
+        scan.window_mm = None;
         let frames = self.measured.as_slice();
         if let (Some(first), Some(last)) = (frames.first(), frames.last()) {
             scan.positions_mm.from = first.position_mm;
@@ -238,9 +241,15 @@ impl<'a> Scanner<'a> {
         loaded
     }
 
-    /// Features of frames.
-    pub fn features(&self, frames: &Frames) -> Result<Vec<Features>, TissueError> {
-        Ok(features(frames, Reference::Farthest, &self.settings())?)
+    /// Features of frames that were scanned with the guessed modulus, were it that of the point.
+    pub fn features(&self, frames: &Frames, point: &[f64]) -> Result<Vec<Features>, TissueError> {
+        let scale = self.scale(point);
+        let scaled = |frame: &Frame| Frame {
+            pressure_kpa: frame.pressure_kpa.iter().map(|p| scale * p).collect(),
+            ..frame.clone()
+        };
+        let frames = Frames::new(frames.as_slice().iter().map(scaled).collect())?;
+        Ok(features(&frames, Reference::Farthest, &self.settings())?)
     }
 
     /// How features are taken.
@@ -254,7 +263,7 @@ impl<'a> Scanner<'a> {
 }
 
 /// Force of a frame, N per mm of the indenter's length.
-fn force(frame: &Frame) -> f64 {
+pub(super) fn force(frame: &Frame) -> f64 {
     let (x, p) = (&frame.x_mm, &frame.pressure_kpa);
     1e-3 * x.windows(2).zip(p.windows(2)).map(|(x, p)| 0.5 * (x[1] - x[0]) * (p[0] + p[1])).sum::<f64>()
 }
@@ -265,6 +274,7 @@ fn forces(frames: &Frames, noise_kpa: f64) -> Result<Vec<f64>, TissueError> {
         let ends = [frame.pressure_kpa.first(), frame.pressure_kpa.last()];
         match ends.into_iter().flatten().any(|p| *p > noise_kpa) {
             true => Err(TissueError::Cut { position_mm: frame.position_mm }),
+            false if force(frame) <= 0.0 => Err(TissueError::NoForce { position_mm: frame.position_mm }),
             false => Ok(force(frame)),
         }
     };

@@ -12,7 +12,7 @@ use super::PageError;
 use super::facts::{columns, figure};
 use crate::estimate::tissue::Tissue;
 use crate::figure::Figure;
-use crate::mechanics::frames::{Features, Frame, features_csv, frames_csv};
+use crate::mechanics::frames::{Features, Frame, Frames, features_csv, frames_csv};
 use crate::output::OutputFolder;
 use serde_json::{Value, json};
 
@@ -28,6 +28,8 @@ pub struct Reading {
     pub shown: usize,
     /// What they say of the tissue, where that was asked.
     pub tissue: Option<Tissue>,
+    /// The frames with noise that it was sought in, where noise was added.
+    pub noisy: Option<Frames>,
 }
 
 impl Reading {
@@ -71,6 +73,9 @@ impl Reading {
         if let Some(computed) = &self.source.computed {
             folder.write("frames_without_inclusion.csv", &frames_csv(&computed.scanned.without))?;
             folder.write_bytes("deformed.vtu", &computed.vtu()?)?;
+        }
+        if let Some(noisy) = &self.noisy {
+            folder.write("frames_noisy.csv", &frames_csv(noisy))?;
         }
         for (name, svg) in pictures.files() {
             folder.write(name, svg)?;

@@ -60,6 +60,7 @@ impl Pictures {
         let pressures =
             [peak, base, fitted("peak that fits", |f| f.peak_kpa), fitted("base that fits", |f| f.base_kpa)].concat();
         let (read, fits) = match reading.tissue {
+            Some(_) if reading.noisy.is_some() => ("frames without noise", "tissue that fits those with noise"),
             Some(_) => ("read off the frames", "tissue that fits"),
             None => ("", ""),
         };

@@ -36,9 +36,6 @@ pub enum ScanError {
         /// Position of the indenter, mm.
         position_mm: f64,
     },
-    /// Forces on tissue that is not linear.
-    #[error("a force can be held on linear tissue without friction only")]
-    ForceOfNonlinear,
     /// The frames do not belong together.
     #[error(transparent)]
     Frames(#[from] FramesError),

@@ -155,7 +155,7 @@ pub enum Held<'a> {
 /// may stop it.
 ///
 /// # Errors
-/// [`ScanError`]: forces can be held on linear tissue without friction only.
+/// [`ScanError`]; `Force` for any force on tissue that is not linear, or does not slide.
 pub fn frames(
     setup: &ScanSetup,
     mesh: &Mesh,
@@ -179,7 +179,7 @@ pub fn frames(
                 let force = forces.get(k).copied().unwrap_or(0.0);
                 press_to_force(setup, mesh, c, position_mm, force).ok_or(ScanError::Force { position_mm })?
             }
-            (Held::Force(_), None) => return Err(ScanError::ForceOfNonlinear),
+            (Held::Force(_), None) => return Err(ScanError::Force { position_mm }),
             (Held::Depth, c) => match c.as_ref().and_then(|c| press_linear(setup, mesh, c, position_mm)) {
                 Some(pressed) => pressed,
                 None => press(setup, mesh, position_mm, &mut |_| observe()).map_err(|cause| match cause {
