@@ -1,12 +1,12 @@
-//! The least-squares fit, and draws of what it leaves open.
+//! The least-squares fit.
 
 use super::noise::{KINDS, Noise, Seen};
+use super::told::{Told, middle, variance};
 use super::unknowns::{DEPTH, MODULUS, MeshOf, NAMES, RADIUS, STRENGTH, Scanner, THICKNESS, WORDS, contrast};
 use super::{Correlation, Fitted, Question, Tissue, TissueError, Value};
-use crate::camera::noise::PixelRandom;
 use crate::mechanics::frames::Frames;
 use crate::progress::Stage;
-use faer::linalg::solvers::{DenseSolveCore as _, Llt, Solve as _};
+use faer::linalg::solvers::{Llt, Solve as _};
 use faer::{Mat, Side};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -39,13 +39,6 @@ const FINE_ERROR: f64 = 1.0;
 const SHARED: f64 = 1.0;
 /// Least size of a feature's error, kPa or mm.
 const LEAST_ERROR: f64 = 1e-6;
-/// Draws of the unknowns.
-const DRAWS: usize = 8000;
-/// An estimate is undefined where more than `MOST_AT_END` of the draws lie in the outer `END` of its range, or beyond.
-const END: f64 = 0.05;
-const MOST_AT_END: f64 = 0.2;
-/// Or where its variance is more than this share of that before anything was seen.
-const TOLD: f64 = 0.25;
 /// Least chi square by degree of freedom at which the fit fails: something in the scene is not as in the frames.
 const FAILS: f64 = 6.0;
 
@@ -386,7 +379,7 @@ impl Fit<'_> {
         let missing = here.features.iter().filter(|value| value.is_nan()).count() as f64;
         let freedom = (self.seen.used.len() - here.point.len()) as f64 - missing;
         let chi = self.residual(&here.features).squared_norm_l2() / freedom.max(1.0);
-        let told = Told::of(self, here, slopes, chi.max(1.0), question.seed);
+        let told = Told::of(&here.point, &self.normal(slopes, chi.max(1.0)), &self.ranges, question.seed);
         let fails = self.fails(here, chi, settled);
         let value = |of: &dyn Fn(&[f64]) -> f64, unknowns: &[usize]| match (&fails, &told) {
             (Some(why), _) => Value::undefined(why),
@@ -452,80 +445,6 @@ impl Fit<'_> {
         };
         self.positions_mm.iter().zip(all).map(named).collect()
     }
-}
-
-/// Covariance and draws of the unknowns.
-struct Told {
-    covariance: Mat<f64>,
-    draws: Vec<Vec<f64>>,
-    /// Share of all draws of each unknown that lie near an end of its range, or beyond.
-    at_end: Vec<f64>,
-}
-
-impl Told {
-    fn of(fit: &Fit, here: &Place, slopes: &Mat<f64>, widened: f64, seed: u32) -> Option<Self> {
-        let covariance = Llt::new(fit.normal(slopes, widened).as_ref(), Side::Lower).ok()?.inverse();
-        let spread = Llt::new(covariance.as_ref(), Side::Lower).ok()?;
-        let n = here.point.len();
-        let mut random = PixelRandom::new(seed, u32::MAX);
-        let all: Vec<Vec<f64>> = (0..DRAWS)
-            .map(|_| {
-                let z = Mat::from_fn(n, 1, |_, _| random.normal());
-                let off = spread.L() * z;
-                (0..n).map(|k| here.point[k] + off[(k, 0)]).collect()
-            })
-            .collect();
-        let near_end = |k: usize, x: f64| {
-            let [low, high] = fit.ranges[k];
-            let margin = END * (high - low);
-            x < low + margin || x > high - margin
-        };
-        let share = |k: usize| all.iter().filter(|draw| near_end(k, draw[k])).count() as f64 / DRAWS as f64;
-        let at_end = (0..n).map(share).collect();
-        let holds = |draw: &Vec<f64>| draw.iter().zip(&fit.ranges).all(|(x, [low, high])| (*low..=*high).contains(x));
-        Some(Self { covariance, draws: all.into_iter().filter(holds).collect(), at_end })
-    }
-
-    fn correlation(&self) -> Vec<Vec<f64>> {
-        let of =
-            |i: usize, j: usize| self.covariance[(i, j)] / (self.covariance[(i, i)] * self.covariance[(j, j)]).sqrt();
-        let n = self.covariance.nrows();
-        (0..n).map(|i| (0..n).map(|j| of(i, j)).collect()).collect()
-    }
-
-    /// A function of these unknowns, with the middle 95 % of its draws.
-    fn value(&self, best: &[f64], of: &dyn Fn(&[f64]) -> f64, unknowns: &[usize], ranges: &[[f64; 2]]) -> Value {
-        let sought = || unknowns.iter().copied().filter(|&k| k < best.len());
-        if let Some(k) = sought().find(|&k| self.covariance[(k, k)] > TOLD * variance(&ranges[k])) {
-            return Value::undefined(format!("the frames hardly tell the {}", WORDS[k]));
-        }
-        if let Some(k) = sought().find(|&k| self.at_end[k] > MOST_AT_END) {
-            let side = if best[k] > middle(&ranges[k]) { "upper" } else { "lower" };
-            return Value::undefined(format!(
-                "the {} is not told apart from the {side} end of the range in which it is sought",
-                WORDS[k]
-            ));
-        }
-        let mut drawn: Vec<f64> = self.draws.iter().map(|draw| of(draw)).collect();
-        drawn.sort_by(f64::total_cmp);
-        let quantile = |share: f64| drawn.get((share * drawn.len().saturating_sub(1) as f64).round() as usize).copied();
-        match (quantile(0.025), quantile(0.975)) {
-            (Some(low), Some(high)) => {
-                let value = of(best).clamp(low, high);
-                Value::known(value, low, high)
-            }
-            _ => Value::undefined("no draw lies within the ranges"),
-        }
-    }
-}
-
-/// Middle of a range, and the variance of what is anywhere in it.
-fn middle([low, high]: &[f64; 2]) -> f64 {
-    0.5 * (low + high)
-}
-
-fn variance([low, high]: &[f64; 2]) -> f64 {
-    (high - low).powi(2) / 12.0
 }
 
 /// Slopes of features by finite differences.

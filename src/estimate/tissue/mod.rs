@@ -16,7 +16,8 @@
 //! - `unknowns.rs`: from unknowns to tissue, from tissue to features;
 //! - `noise.rs`: C, of the noise that frames show themselves and of the mesh;
 //! - `fit.rs`: Gauss-Newton steps with finite differences on a coarse mesh, which the difference of one scan on a fine
-//!   mesh puts right; draws of what is left open.
+//!   mesh puts right;
+//! - `told.rs`: draws of what is left open.
 //!
 //! Intervals are quantiles of draws from the linearised posterior, widened where the fit is worse than its noise. What
 //! the frames leave open (as uncertain as before, draws that gather at an end of the range, a fit that fails) is
@@ -24,6 +25,7 @@
 
 mod fit;
 mod noise;
+mod told;
 mod unknowns;
 
 use super::Value;
