@@ -69,6 +69,16 @@ fn cells(value: &Value, truth: f64) -> String {
     }
 }
 
+/// Why a number is not known, of the first that is not.
+fn reason(found: &Tissue) -> String {
+    let told = [&found.thickness_mm, &found.tissue_youngs_kpa, &found.radius_mm, &found.inclusion_youngs_kpa];
+    let why = told.into_iter().chain(&found.depth_mm).find_map(|value| match value {
+        Value::Known { .. } => None,
+        Value::Undefined { reason } => Some(reason.replace(',', ";")),
+    });
+    why.unwrap_or_default()
+}
+
 fn row(case: &Case, found: &Tissue) -> String {
     let depth = found.depth_mm.as_ref().map_or(",,,".to_owned(), |depth| cells(depth, case.depth_mm));
     [
@@ -78,6 +88,7 @@ fn row(case: &Case, found: &Tissue) -> String {
         cells(&found.inclusion_youngs_kpa, case.contrast * case.youngs_kpa),
         depth,
         format!("{},{},{},{}", found.reduced_chi_square, found.noise.share, found.features, found.scans),
+        reason(found),
     ]
     .join(",")
 }
@@ -94,7 +105,8 @@ fn main() -> anyhow::Result<ExitCode> {
     let known = ["thickness_mm", "tissue_kpa", "radius_mm", "inclusion_kpa", "depth_mm"];
     let columns = known.map(|name| format!("{name},{name}_low,{name}_high,{name}_held")).join(",");
     println!(
-        "case,seed,true_thickness,true_radius,true_contrast,true_youngs,true_depth,{columns},chi,noise,features,scans"
+        "case,seed,true_thickness,true_radius,true_contrast,true_youngs,true_depth,{columns},chi,noise,features,scans,\
+         undefined"
     );
     for k in first..first + cases {
         let case = case(k, flag("--null"));

@@ -3,7 +3,8 @@
 use super::model::{LED_SPREAD, Role};
 use super::{Blocks, FrameModel, Frames};
 use crate::estimate::{Detected, Estimates, Value};
-use crate::infer::{Posterior, Seen, TAILS, Told};
+use crate::infer::{Nuisance, Posterior, Seen, TAILS, Told, Unknown};
+use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _, FisherSnedecor};
 
 /// Level of the test whether there is an inclusion.
@@ -26,17 +27,105 @@ const LEAST_CHANCE: f64 = 1e-4;
 /// Seed of the draws.
 const SEED: u32 = 1;
 
+/// All that frames tell by a calibration.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Inferred {
+    /// Every unknown of the calibration, those among them that are of no interest in themselves.
+    pub unknowns: Vec<InferredUnknown>,
+    /// Correlation of each pair, as they are drawn (logarithms where these are even beforehand).
+    pub correlations: Vec<Vec<f64>>,
+    /// Powers of the LEDs at the best place.
+    pub leds: Vec<LedPower>,
+    /// Scores of the frames, and the sum of their squared misfits in units of their errors.
+    pub scores: usize,
+    /// That sum.
+    pub misfit: f64,
+    /// Chance of a chi-square number as large.
+    pub chance: f64,
+    /// What is not explained, over the noise of the light of the training images.
+    pub noise: f64,
+    /// Draws of the unknowns.
+    #[serde(skip)]
+    pub posterior: Posterior,
+}
+
+/// What is known of an unknown.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InferredUnknown {
+    /// Its name in the sweep that the calibration was learnt from.
+    pub name: String,
+    /// Keys of the scene that it stands for; none where other keys follow from it.
+    pub keys: Vec<String>,
+    /// Its value, in the unit of the key.
+    pub value: Value,
+}
+
+/// An LED's power.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LedPower {
+    /// The LED.
+    pub name: String,
+    /// Share by which its power would be off the scene's.
+    pub off: f64,
+}
+
+/// Pearson's correlations of draws; 0 where one does not vary.
+fn correlations(draws: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let unknowns = draws.first().map_or(0, Vec::len);
+    let mean = |k: usize| draws.iter().map(|draw| draw[k]).sum::<f64>() / draws.len() as f64;
+    let means: Vec<f64> = (0..unknowns).map(mean).collect();
+    let product = |i: usize, j: usize| draws.iter().map(|d| (d[i] - means[i]) * (d[j] - means[j])).sum::<f64>();
+    let sizes: Vec<f64> = (0..unknowns).map(|k| product(k, k).sqrt()).collect();
+    let of = |i: usize, j: usize| match sizes[i] * sizes[j] {
+        size if size > 0.0 => product(i, j) / size,
+        _ => 0.0,
+    };
+    (0..unknowns).map(|i| (0..unknowns).map(|j| of(i, j)).collect()).collect()
+}
+
 impl FrameModel {
     /// What frames say of the inclusion.
     pub fn estimates(&self, frames: &Frames) -> Estimates {
         self.inverted(frames).0
     }
 
-    /// The same, and what is known of all unknowns where the frames are those of a phantom.
-    pub fn inverted(&self, frames: &Frames) -> (Estimates, Option<Posterior>) {
+    /// The same, and all that is inferred; why nothing is, where the frames are not those of a phantom.
+    pub fn inverted(&self, frames: &Frames) -> (Estimates, Result<Inferred, String>) {
         match self.posterior(frames) {
-            Err(why) => (Self::nothing(why), None),
-            Ok((told, posterior)) => (self.said(&told, &posterior), Some(posterior)),
+            Err(why) => (Self::nothing(why.clone()), Err(why)),
+            Ok((told, posterior, leds)) => {
+                let estimates = self.said(&told, &posterior);
+                let is_there = estimates.detected != Detected::Known(false);
+                (estimates, Ok(self.inferred(&told, posterior, &leds, is_there)))
+            }
+        }
+    }
+
+    /// All that is inferred.
+    fn inferred(&self, told: &Told, posterior: Posterior, leds: &[f64], is_there: bool) -> Inferred {
+        let unknowns = &self.learnt.scored.unknowns;
+        let value = |k: usize| match self.roles.get(k) {
+            Some(Role::Other) => self.value(&posterior, k),
+            _ if is_there => self.value(&posterior, k),
+            _ => Value::undefined("no inclusion is told from none"),
+        };
+        let of = |(k, unknown): (usize, &Unknown)| {
+            let keys = self.keys.get(k).cloned().unwrap_or_default();
+            InferredUnknown { name: unknown.name.clone(), keys, value: value(k) }
+        };
+        let coordinates = |draw: &Vec<f64>| -> Vec<f64> {
+            unknowns.iter().zip(draw).map(|(unknown, value)| unknown.prior.coordinate(*value)).collect()
+        };
+        let led = |(nuisance, off): (&Nuisance, &f64)| LedPower { name: nuisance.name.clone(), off: LED_SPREAD * off };
+        Inferred {
+            unknowns: unknowns.iter().enumerate().map(of).collect(),
+            correlations: correlations(&posterior.draws.iter().map(coordinates).collect::<Vec<_>>()),
+            leds: self.learnt.nuisances.iter().zip(leds).map(led).collect(),
+            scores: self.scores(),
+            misfit: posterior.misfit,
+            chance: chance(posterior.misfit, self.scores() as f64),
+            noise: told.noise_factor.sqrt(),
+            posterior,
         }
     }
 
@@ -49,11 +138,11 @@ impl FrameModel {
         }
     }
 
-    /// What frames tell of the scores, and of the unknowns.
+    /// What frames tell of the scores, of the unknowns, and of LEDs' powers in their standard deviations.
     ///
     /// # Errors
     /// Says why the frames are not those of a phantom that the calibration knows.
-    fn posterior(&self, frames: &Frames) -> Result<(Told, Posterior), String> {
+    fn posterior(&self, frames: &Frames) -> Result<(Told, Posterior, Vec<f64>), String> {
         let seen = self.seen(frames)?;
         let told = self.learnt.told(&seen);
         let told = told.ok_or("too few parts of the frames can be read: they are saturated or dark")?;
@@ -84,7 +173,7 @@ impl FrameModel {
                 self.scores()
             ));
         }
-        Ok((told, posterior))
+        Ok((told, posterior, nuisances))
     }
 
     /// What is said of the inclusion.
@@ -180,4 +269,26 @@ fn chance_in_tails(gain: f64) -> f64 {
 /// Chance of a chi-square number as large.
 fn chance(square: f64, freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(1.0, |distribution| distribution.sf(square))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    /// y = -2 x, z = x + an independent number of the same size, and one that does not vary.
+    #[test]
+    fn correlations_are_those_of_the_draws() {
+        let draw = |k: u32| {
+            let (x, own) = (f64::from(k % 10), f64::from(k / 10));
+            vec![x, -2.0 * x, x + own, 3.0]
+        };
+        let found = correlations(&(0..100).map(draw).collect::<Vec<_>>());
+        let half = 0.5f64.sqrt();
+        let wanted = [[1.0, -1.0, half, 0.0], [-1.0, 1.0, -half, 0.0], [half, -half, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0]];
+        for (found, wanted) in found.iter().flatten().zip(wanted.iter().flatten()) {
+            assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
+        }
+        assert!(correlations(&[]).is_empty());
+    }
 }

@@ -18,6 +18,7 @@ mod training;
 
 pub use blocks::Blocks;
 pub use bound::{Bounds, Inclusion, Limits, Protocol};
+pub use estimates::{Inferred, InferredUnknown, LedPower};
 pub use file::{CalibrationFile, Parts};
 pub use frames::Frames;
 pub(crate) use frames::SAME_DEPTH;

@@ -2,7 +2,7 @@
 
 use super::measure::{Reading, grey_image, less};
 use super::{Failure, Outcome, Talk, note, print};
-use crate::calibrate::{FrameModel, Frames};
+use crate::calibrate::{FrameModel, Frames, Inferred};
 use crate::camera::expose;
 use crate::estimate::{Calibration, Estimates, GreyImage, Settings, Threshold, estimate, scattered};
 use crate::image_io::read_radiance;
@@ -27,7 +27,12 @@ pub(super) struct Estimate {
     #[arg(long, value_name = "SCENE")]
     exposure: Option<PathBuf>,
     /// Bits of the camera whose levels lie in PNG or TIFF of 16 bits: tells what is saturated.
-    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(8..=16), allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "BITS",
+        value_parser = clap::value_parser!(u32).range(8..=16),
+        allow_negative_numbers = true
+    )]
     full_scale_bits: Option<u32>,
     /// Depth of the press of each image, mm: with a calibration that `calibrate` learnt, all images together give size,
     /// depth and modulus of the inclusion.
@@ -76,20 +81,27 @@ impl Estimate {
             Ok(Measured { path: path.clone(), image, threshold_grey, paper })
         };
         let measured = self.images.iter().map(measure).collect::<Result<Vec<_>, Failure>>()?;
-        let inclusion = match &model {
+        let (inclusion, inferred) = match &model {
             Some(model) => self.inclusion(model, exposure.as_ref())?,
-            None => Estimates::without_model(),
+            None => (Estimates::without_model(), Err("no calibrated model".to_owned())),
         };
         let relative = relative_stiffness(&measured, &settings, calibration.as_ref());
         match self.talk.json {
-            true => print(&json(&measured, &relative, &inclusion, self.reading.reference.as_deref()).to_string())?,
-            false => print(&text(&measured, &relative, &inclusion))?,
+            true => print(
+                &json(&measured, &relative, (&inclusion, &inferred), self.reading.reference.as_deref()).to_string(),
+            )?,
+            false => print(&text(&measured, &relative, (&inclusion, &inferred)))?,
         }
         Ok(Outcome::Done)
     }
 
-    /// What all images together say of the inclusion.
-    fn inclusion(&self, model: &FrameModel, exposure: Option<&LoadedScene>) -> Result<Estimates, Failure> {
+    /// What all images together say of the inclusion, and of all unknowns.
+    fn inclusion(
+        &self,
+        model: &FrameModel,
+        exposure: Option<&LoadedScene>,
+    ) -> Result<(Estimates, Result<Inferred, String>), Failure> {
+        let nothing = |why: String| Ok((Estimates::undefined(&why), Err(why)));
         if self.depths_mm.len() != self.images.len() {
             let message = format!(
                 "`--depths-mm` gives {} depths for {} images: each image needs the depth of its press",
@@ -102,7 +114,7 @@ impl Estimate {
             return Err(Failure::usage(format!("`--depths-mm` gives {} twice", twice.1)));
         }
         if let Some(Err(why)) = exposure.map(|loaded| model.suits(loaded)) {
-            return Ok(Estimates::undefined(&format!("the calibration does not suit: {why}")));
+            return nothing(format!("the calibration does not suit: {why}"));
         }
         let scene = exposure.map(|loaded| &loaded.scene);
         let frames = self.images.iter().map(|image| self.read(image, scene)).collect::<Result<Vec<_>, _>>()?;
@@ -113,12 +125,10 @@ impl Estimate {
         };
         let Some((camera, wavelength_nm)) = camera else {
             let [width, height] = size;
-            return Ok(Estimates::undefined(&format!(
-                "{width} x {height} pixels do not fill the calibration's sensor"
-            )));
+            return nothing(format!("{width} x {height} pixels do not fill the calibration's sensor"));
         };
         let frames = self.depths_mm.iter().copied().zip(&frames).collect();
-        Ok(model.estimates(&Frames { camera: &camera, wavelength_nm, frames }))
+        Ok(model.inverted(&Frames { camera: &camera, wavelength_nm, frames }))
     }
 
     /// The threshold in grey levels of an image.
@@ -135,8 +145,8 @@ impl Estimate {
             (share, Some(top)) => Ok(share.of(top)),
             (share, None) => {
                 let message = format!(
-                    "{}: has no full scale that `--threshold {share}` could be a share of; give the threshold as a number, or \
-                     `--exposure SCENE`",
+                    "{}: has no full scale that `--threshold {share}` could be a share of; give the threshold as a \
+                     number, or `--exposure SCENE`",
                     path.display()
                 );
                 Err(Failure::usage(message).in_file(path))
@@ -160,7 +170,8 @@ impl Estimate {
         }
         if linear && !self.talk.quiet {
             note(&format!(
-                "{}: an EXR has no grey levels: its values are taken as they are, and so is the threshold; `--exposure SCENE` exposes it",
+                "{}: an EXR has no grey levels: its values are taken as they are, and so is the threshold; \
+                 `--exposure SCENE` exposes it",
                 path.display()
             ));
         }

@@ -4,15 +4,18 @@ use super::command::{command_line, described};
 use super::sweep::How;
 use super::{Failure, Outcome, Progress, cancel, note, print};
 use crate::calibrate::{FrameModel, ready};
+use crate::estimate::Calibration;
 use crate::output::{RESULT, Records};
+use crate::pages::paper_study::{self, PaperPage};
 use crate::pages::study;
-use crate::study::{How as Tried, StudyError, StudyFile, Summary, Trial, trials};
+use crate::report::Report;
+use crate::study::{How as Tried, Paper, Parts, StudyError, StudyFile, Summary, Trial, readings, trials};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Try a calibration on phantoms that it was not learnt from: how far off estimates are, how often intervals hold, how
-/// often an inclusion is found where there is none.
+/// often an inclusion is found where there is none. Or read the figures of the TSIS paper from several images each.
 #[derive(Debug, Args)]
 pub(super) struct Study {
     /// Study file: a calibration, and the sweeps to try it on.
@@ -28,42 +31,90 @@ impl Study {
         let out = self.how.place_or(|| PathBuf::from("out").join(&name));
         // Others may compute parts of the same study.
         let records = Records::join(&out, &json!({"kind": "study"}), false, out.is_dir())?;
+        let said = match &parts.paper {
+            Some(paper) => self.of_paper(&name, &parts, paper, &out)?,
+            None => self.of_estimates(&name, &parts, &out)?,
+        };
+        records.write(said.table.0, &said.table.1)?;
+        records.write("report.html", &said.report.to_html())?;
+        let result = described(said.summary, Some(&out));
+        records.write(RESULT, &format!("{result:#}\n"))?;
+        match self.how.is_json() {
+            true => print(&result.to_string())?,
+            false => print(&said.text)?,
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// True against estimated.
+    fn of_estimates(&self, name: &str, parts: &Parts, out: &Path) -> Result<Said, Failure> {
         let own = parts.calibration.as_deref().map(FrameModel::load).transpose()?;
         let model = match &own {
             Some(own) => own,
             None => ready().ok_or_else(|| Failure::failed("the calibration that comes with the program is damaged"))?,
         };
-        let mut work = self.how.parts(&out);
+        let (phantoms, empty) = self.folders(parts, out)?;
+        let (exposures, exposure_ms) = (parts.exposures.unwrap_or(2), parts.exposure_ms);
+        let of = |folder: &Path, empty| self.trials(model, folder, Tried { empty, exposures, exposure_ms });
+        let phantoms = of(&phantoms, false)?;
+        let empty = empty.as_deref().map_or(Ok(Vec::new()), |folder| of(folder, true))?;
+        let summary = Summary::of(&phantoms, &empty)?;
+        let page = study::Page { name, description: &parts.description, summary: &summary, model };
+        Ok(Said {
+            table: ("estimates.csv", study::csv(&phantoms, &empty)?),
+            report: page.report(&phantoms, &command_line())?,
+            text: page.text(&out.display().to_string()),
+            summary: json!(summary),
+        })
+    }
+
+    /// The TSIS paper's figures of several images.
+    fn of_paper(&self, name: &str, parts: &Parts, paper: &Paper, out: &Path) -> Result<Said, Failure> {
+        let calibration = parts.calibration.as_deref().map(Calibration::load).transpose()?;
+        let (phantoms, _) = self.folders(parts, out)?;
+        let found = readings(&phantoms, paper, calibration.as_ref(), parts.exposure_ms, &self.observer())?;
+        let found = found.ok_or_else(Failure::cancelled)?;
+        let summary = paper.summary(&found);
+        let page = PaperPage { name, description: &parts.description, summary: &summary };
+        Ok(Said {
+            table: ("readings.csv", paper_study::csv(&found)?),
+            report: page.report(&found, &command_line())?,
+            text: page.text(&out.display().to_string()),
+            summary: json!(summary),
+        })
+    }
+
+    /// Folders of the phantoms with inclusions and, where they are asked for, without.
+    fn folders(&self, parts: &Parts, out: &Path) -> Result<(PathBuf, Option<PathBuf>), Failure> {
+        let mut work = self.how.parts(out);
         let phantoms = work.part(&parts.phantoms, "phantoms")?;
         let empty = parts.empty.as_deref().map(|empty| work.part(empty, "empty")).transpose()?;
         if !work.is_whole && !self.how.is_quiet() {
             note("not all points are there yet: the study is of those that are");
         }
-        let (exposures, exposure_ms) = (parts.exposures, parts.exposure_ms);
-        let of = |folder: &Path, empty| self.trials(model, folder, Tried { empty, exposures, exposure_ms });
-        let phantoms = of(&phantoms, false)?;
-        let empty = empty.as_deref().map_or(Ok(Vec::new()), |folder| of(folder, true))?;
-        let summary = Summary::of(&phantoms, &empty)?;
-        let page = study::Page { name: &name, description: &parts.description, summary: &summary, model };
-        records.write("estimates.csv", &study::csv(&phantoms, &empty)?)?;
-        records.write("report.html", &page.report(&phantoms, &command_line())?.to_html())?;
-        let result = described(json!(summary), Some(&out));
-        records.write(RESULT, &format!("{result:#}\n"))?;
-        match self.how.is_json() {
-            true => print(&result.to_string())?,
-            false => print(&page.text(&out.display().to_string()))?,
+        Ok((phantoms, empty))
+    }
+
+    fn observer(&self) -> impl Fn(usize, usize) -> bool + Sync + use<> {
+        let progress = Progress::new(self.how.is_quiet());
+        move |done: usize, all: usize| {
+            progress.observe(done as f64 / all.max(1) as f64, &format!("phantom {done} of {all}"));
+            !cancel::requested()
         }
-        Ok(Outcome::Done)
     }
 
     fn trials(&self, model: &FrameModel, folder: &Path, tried: Tried) -> Result<Vec<Trial>, Failure> {
-        let progress = Progress::new(self.how.is_quiet());
-        let observe = |done: usize, all: usize| {
-            progress.observe(done as f64 / all.max(1) as f64, &format!("phantom {done} of {all}"));
-            !cancel::requested()
-        };
-        trials(model, folder, tried, &observe)?.ok_or_else(Failure::cancelled)
+        trials(model, folder, tried, &self.observer())?.ok_or_else(Failure::cancelled)
     }
+}
+
+/// What is said of a study.
+struct Said {
+    /// Name of the table, and it.
+    table: (&'static str, String),
+    report: Report,
+    text: String,
+    summary: serde_json::Value,
 }
 
 impl From<StudyError> for Failure {

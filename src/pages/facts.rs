@@ -120,7 +120,8 @@ pub fn said_within(value: &Estimate, unit: &str, what: &str) -> String {
     match value {
         Estimate::Known { value, low, high } => {
             let (value, range) = interval(*value, *low, *high);
-            format!("{value} {unit} ({what}: {range})")
+            let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+            format!("{value}{unit} ({what}: {range})")
         }
         Estimate::Undefined { reason } => format!("undefined: {reason}"),
     }
@@ -155,7 +156,13 @@ pub fn interval(value: f64, low: f64, high: f64) -> (String, String) {
         true => (1.0 - half_width.log10().floor()).clamp(0.0, 9.0) as usize,
         false => return (figure(value), format!("{} to {}", figure(low), figure(high))),
     };
-    (format!("{value:.decimals$}"), format!("{low:.decimals$} to {high:.decimals$}"))
+    let text = |value: f64| {
+        let text = format!("{value:.decimals$}");
+        // What rounds to zero has no sign.
+        let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+        if is_zero { text.trim_start_matches('-').to_owned() } else { text }
+    };
+    (text(value), format!("{} to {}", text(low), text(high)))
 }
 
 #[cfg(test)]
@@ -180,6 +187,7 @@ mod tests {
         assert_eq!(both(128.123, 127.9, 128.4), "128.12 (127.90 to 128.40)");
         assert_eq!(both(2_331_640.4, 2_330_750.0, 2_332_530.0), "2331640 (2330750 to 2332530)");
         assert_eq!(both(5.0, 5.0, 5.0), "5 (5 to 5)");
+        assert_eq!(both(1.0, -0.01, 2.01), "1.0 (0.0 to 2.0)");
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Figures of images from anywhere.
 
-use super::facts::{columns, figure, said_within};
+use super::facts::{columns, figure, said as all_said, said_within};
 use super::run::inclusion_rows;
+use crate::calibrate::Inferred;
 use crate::estimate::{Calibration, Estimates, GreyImage, PaperEstimate, Settings, Stiffness, Value, stiffness};
 use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
@@ -33,7 +34,11 @@ pub fn relative_stiffness(
 }
 
 /// All images and what two say of stiffness.
-pub fn text(measured: &[Measured], relative: &Result<Stiffness, String>, inclusion: &Estimates) -> String {
+pub fn text(
+    measured: &[Measured],
+    relative: &Result<Stiffness, String>,
+    (inclusion, inferred): (&Estimates, &Result<Inferred, String>),
+) -> String {
     let row = |name: &str, value: String| (name.to_owned(), value);
     let mut text = String::new();
     for Measured { path, image, threshold_grey, paper } in measured {
@@ -63,6 +68,14 @@ pub fn text(measured: &[Measured], relative: &Result<Stiffness, String>, inclusi
         Err(reason) => vec![row("stiffness", format!("undefined: {reason}"))],
     };
     rows.extend(inclusion_rows(inclusion));
+    if let Ok(inferred) = inferred {
+        rows.extend(inferred.unknowns.iter().map(|one| row(&one.name, all_said(&one.value, ""))));
+        let powers: Vec<String> =
+            inferred.leds.iter().map(|led| format!("{} {:+.1} %", led.name, 100.0 * led.off)).collect();
+        rows.push(row("power", powers.join(", ")));
+        let (chance, noise) = (figure(inferred.chance), figure(inferred.noise));
+        rows.push(row("fit", format!("as bad by chance {chance}; noise {noise} times that of the training images")));
+    }
     text + &columns(&rows)
 }
 
@@ -75,7 +88,7 @@ fn said(value: &Value, unit: &str) -> String {
 pub fn json(
     measured: &[Measured],
     relative: &Result<Stiffness, String>,
-    inclusion: &Estimates,
+    (inclusion, inferred): (&Estimates, &Result<Inferred, String>),
     reference: Option<&Path>,
 ) -> Json {
     let image = |one: &Measured| {
@@ -93,6 +106,10 @@ pub fn json(
         "threshold_grey": common_threshold(measured),
         "reference": reference.map(|path| path.display().to_string()),
         "estimates": inclusion,
+        "inferred": match inferred {
+            Ok(inferred) => json!(inferred),
+            Err(reason) => json!({"undefined": reason}),
+        },
         "stiffness": match relative {
             Ok(stiffness) => json!(stiffness),
             Err(reason) => json!({"undefined": reason}),

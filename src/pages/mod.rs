@@ -12,6 +12,7 @@ pub mod facts;
 pub mod frames;
 pub mod images;
 pub mod inspection;
+pub mod paper_study;
 pub mod press;
 pub mod press_files;
 mod press_vtu;

@@ -7,7 +7,7 @@ use crate::calibrate::FrameModel;
 use crate::estimate::{Detected, Value};
 use crate::report::{AxisName, Item, LogPlot, LogPoint, LogSeries, LogStyle, Report, Section, Table, log_plot};
 use crate::statistics::RankHistogram;
-use crate::study::{Quantity, Summary, Told, Trial};
+use crate::study::{Quantity, Summary, Told, Trial, UnknownSummary};
 
 /// A study, to be told of.
 pub struct Page<'a> {
@@ -121,6 +121,9 @@ impl Page<'_> {
         for (k, quantity) in self.summary.quantities.iter().enumerate() {
             sections.push(section(k, quantity, trials)?);
         }
+        if !self.summary.unknowns.is_empty() {
+            sections.push(Section { title: "All unknowns".into(), items: vec![Item::Table(self.unknowns())] });
+        }
         let loads: Vec<String> = self.model.depths_mm.iter().map(f64::to_string).collect();
         let provenance = vec![
             version(),
@@ -132,6 +135,25 @@ impl Page<'_> {
         ];
         let summary = self.description.to_owned();
         Ok(Report { title: format!("tirtouch: {}", self.name), summary, facts, sections, provenance })
+    }
+
+    /// All unknowns of the calibration, by their names.
+    fn unknowns(&self) -> Table {
+        let share = |value: Option<f64>| value.map_or("-".into(), |value| format!("{} %", figure(100.0 * value)));
+        let row = |one: &UnknownSummary| {
+            vec![
+                one.name.clone(),
+                format!("{} of {}", one.known, self.summary.phantoms),
+                share(one.median_error),
+                share(one.median_half_width),
+                percent(&one.share),
+            ]
+        };
+        Table {
+            caption: "Every unknown of the calibration that the phantoms' sweep varies, by its name there".into(),
+            columns: ["", "known of", "median error", "half width", "intervals that hold"].map(str::to_owned).to_vec(),
+            rows: self.summary.unknowns.iter().map(row).collect(),
+        }
     }
 
     /// Errors of all quantities.

@@ -40,14 +40,22 @@ pub(super) fn linear(low: f64, high: f64, count: usize) -> Ticks {
     Ticks { exponent, marks: (first..=last).map(mark).collect() }
 }
 
-/// Powers of ten between `low` and `high` (both above 0), with 2 and 5 times them where they are few.
+/// Powers of ten between `low` and `high` (both above 0), with 2 and 5 times them where they are few; round numbers
+/// where the axis is shorter than that.
 pub(super) fn logarithmic(low: f64, high: f64) -> Vec<(f64, String)> {
+    if high < 5.0 * low {
+        return linear(low, high, 5).marks.into_iter().map(|(value, _)| (value, short(value))).collect();
+    }
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let digits: &[i32] = if high < 200.0 * low { &[1, 2, 5] } else { &[1] };
     let mark = |exponent: i32, digit: i32| {
-        let power = power_of_ten(exponent);
-        let label = if digits.len() == 1 { power } else { format!("{digit} × {power}") };
-        (f64::from(digit) * 10f64.powi(exponent), label)
+        let value = f64::from(digit) * 10f64.powi(exponent);
+        let label = match digits.len() {
+            1 => power_of_ten(exponent),
+            _ if (-3..=3).contains(&exponent) => number(value, exponent.min(0).unsigned_abs() as usize),
+            _ => format!("{digit} × {}", power_of_ten(exponent)),
+        };
+        (value, label)
     };
     let marks = (first..=last).flat_map(|e| digits.iter().map(move |&d| mark(e, d)));
     marks.filter(|(v, _)| *v >= low * (1.0 - 1e-9) && *v <= high * (1.0 + 1e-9)).collect()
@@ -137,7 +145,11 @@ mod tests {
     fn logarithmic_ticks_are_powers_of_ten_with_more_between_where_they_are_few() {
         let texts = |low, high| logarithmic(low, high).into_iter().map(|(_, t)| t).collect::<Vec<_>>();
         assert_eq!(texts(2e-4, 1.0), ["10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
-        assert_eq!(texts(0.03, 0.31), ["5 × 10⁻²", "1 × 10⁻¹", "2 × 10⁻¹"]);
+        assert_eq!(texts(0.03, 0.31), ["0.05", "0.1", "0.2"]);
+        assert_eq!(texts(0.9, 120.0), ["1", "2", "5", "10", "20", "50", "100"]);
+        assert_eq!(texts(3e-6, 5e-5), ["5 × 10⁻⁶", "1 × 10⁻⁵", "2 × 10⁻⁵", "5 × 10⁻⁵"]);
+        // 15.1 to 18.2 holds none of 1, 2 and 5 times a power of ten.
+        assert_eq!(texts(15.1, 18.2), ["16", "17", "18"]);
         assert_eq!(power_of_ten(-14), "10⁻¹⁴");
     }
 

@@ -3,6 +3,7 @@
 //! | Question | Answered by |
 //! |---|---|
 //! | How far off are the estimates? | [`Errors`], [`BlandAltman`] |
+//! | What do repeated readings say together? | [`Mean`] |
 //! | How often do the intervals hold the truth? | [`clopper_pearson`] |
 //! | Is a posterior as wide as it should be? | [`RankHistogram`] |
 //! | By what factor must intervals be widened? | [`conformal_factor`] |
@@ -21,6 +22,7 @@ mod coverage;
 mod detection;
 mod distributions;
 mod errors;
+mod mean;
 mod penalised;
 mod random;
 mod ranks;
@@ -32,6 +34,7 @@ pub use conformal::conformal_factor;
 pub use coverage::clopper_pearson;
 pub use detection::{DetectionRate, Trial};
 pub use errors::Errors;
+pub use mean::Mean;
 pub use ranks::RankHistogram;
 
 /// A true value and its estimate, in one unit.

@@ -1,5 +1,6 @@
 //! The file of a study: a calibration, and sweeps of phantoms to try it on.
 
+use super::{Paper, PaperFigure};
 use crate::scene::{Invalid, SceneError, parse_file, read_text};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,7 +22,8 @@ pub struct Parts {
     /// What the study is of.
     #[serde(default)]
     pub description: String,
-    /// The calibration (JSON). Absent: the one that comes with the program.
+    /// The calibration (JSON). Absent: the one that comes with the program. Of a study of the paper: that of the sensor
+    /// (TOML), as `estimate` reads it; only the stiffness needs one.
     pub calibration: Option<PathBuf>,
     /// Phantoms with an inclusion.
     pub phantoms: PathBuf,
@@ -30,13 +32,10 @@ pub struct Parts {
     /// Exposure of the frames, ms. Absent: the scene's.
     pub exposure_ms: Option<f64>,
     /// How often each phantom's frames are exposed, every time with noise of their own: what two or more tell of
-    /// repeats.
-    #[serde(default = "two")]
-    pub exposures: u32,
-}
-
-fn two() -> u32 {
-    2
+    /// repeats. Default: 2. A study of the paper exposes each once: what repeats there are points of its sweep.
+    pub exposures: Option<u32>,
+    /// The images are read by a figure of the TSIS paper, and by no model of the frames.
+    pub paper: Option<Paper>,
 }
 
 /// Most exposures.
@@ -51,12 +50,29 @@ impl StudyFile {
         let text = read_text(path)?;
         let schema = schemars::schema_for!(StudyFile).to_value();
         let rules = |file: &Self| -> Result<(), Invalid> {
-            if !(1..=MOST).contains(&file.study.exposures) {
+            if file.study.exposures.is_some_and(|exposures| !(1..=MOST).contains(&exposures)) {
                 return Err(Invalid::new("study.exposures", format!("must be 1 to {MOST}")));
             }
-            match file.study.exposure_ms.is_none_or(|time| time > 0.0 && time.is_finite()) {
-                true => Ok(()),
-                false => Err(Invalid::new("study.exposure_ms", "must be above 0")),
+            if !file.study.exposure_ms.is_none_or(|time| time > 0.0 && time.is_finite()) {
+                return Err(Invalid::new("study.exposure_ms", "must be above 0"));
+            }
+            let Some(paper) = &file.study.paper else { return Ok(()) };
+            if !(paper.threshold_grey >= 0.0 && paper.threshold_grey.is_finite()) {
+                return Err(Invalid::new("study.paper.threshold_grey", "must be 0 or more"));
+            }
+            if paper.published.iter().flatten().any(|ratio| !(*ratio > 0.0 && ratio.is_finite())) {
+                return Err(Invalid::new("study.paper.published", "must be above 0"));
+            }
+            if file.study.exposures.is_some_and(|exposures| exposures > 1) {
+                let what = "must be 1 with study.paper: exposures of one press are no repeats of it";
+                return Err(Invalid::new("study.exposures", what));
+            }
+            if file.study.empty.is_some() {
+                return Err(Invalid::new("study.empty", "has no meaning with study.paper: its figures find nothing"));
+            }
+            match paper.figure == PaperFigure::Stiffness && file.study.calibration.is_none() {
+                true => Err(Invalid::new("study.calibration", "is missing: the stiffness takes force from M by it")),
+                false => Ok(()),
             }
         };
         let Self { study } = parse_file::<Self>(&text, path, &schema, rules)?.scene;

@@ -1,15 +1,17 @@
 //! Studies: true against estimated, for hundreds of phantoms that a calibration was not learnt from.
 //!
-//! Sweeps press and trace the phantoms and keep the radiance of each load; [`trials`] exposes it with the camera's noise
-//! and inverts the frames by the calibration; [`Summary`] says how far off estimates are and how often intervals hold.
+//! Sweeps press and trace the phantoms and keep the radiance of each load; [`trials`] exposes it with the noise of the
+//! camera and inverts the frames by the calibration; [`Summary`] says how far off estimates are and how often intervals hold.
 
 mod file;
+mod paper;
 mod summary;
 mod trial;
 
 pub use file::{Parts, StudyFile};
-pub use summary::{Group, Quantity, Reason, Summary, Told};
-pub use trial::{How, Trial, trials};
+pub use paper::{Paper, PaperFigure, PaperSummary, Phantom, Reading, readings};
+pub use summary::{Group, Quantity, Reason, Summary, Told, UnknownSummary};
+pub use trial::{How, Other, Trial, trials};
 
 use crate::calibrate::CalibrateError;
 use crate::camera::ExposureError;

@@ -11,7 +11,7 @@ use crate::statistics::{
     Trial as DetectionTrial, clopper_pearson, conformal_factor, intraclass_correlation,
 };
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Level of intervals.
 const LEVEL: f64 = 0.95;
@@ -35,6 +35,25 @@ pub struct Summary {
     pub undecided: usize,
     /// Size (mm), depth (mm) and modulus (kPa).
     pub quantities: Vec<Quantity>,
+    /// All unknowns of the calibration that the phantoms' sweep has variables of.
+    pub unknowns: Vec<UnknownSummary>,
+}
+
+/// How well an unknown of the calibration is inferred.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnknownSummary {
+    /// Its name.
+    pub name: String,
+    /// Phantoms of which it is known.
+    pub known: usize,
+    /// Of how many of these the interval holds the truth.
+    pub held: usize,
+    /// The share.
+    pub share: Value,
+    /// Median of |estimate / truth - 1|.
+    pub median_error: Option<f64>,
+    /// Median of half an interval's width over the truth.
+    pub median_half_width: Option<f64>,
 }
 
 /// How well one quantity is estimated.
@@ -172,8 +191,33 @@ impl Summary {
             false_alarms: share(&without)?,
             undecided,
             quantities: (0..3).map(|k| quantity(k, &with, phantoms)).collect::<Result<_, _>>()?,
+            unknowns: unknowns(&with)?,
         })
     }
+}
+
+/// All unknowns of the calibration, of phantoms that have an inclusion.
+fn unknowns(first: &[Trial]) -> Result<Vec<UnknownSummary>, StatisticsError> {
+    let names: BTreeSet<&str> = first.iter().flat_map(|trial| &trial.others).map(|other| other.name.as_str()).collect();
+    let of = |name: &str| {
+        let others = first.iter().flat_map(|trial| &trial.others).filter(|other| other.name == name);
+        let told: Vec<[f64; 4]> = others
+            .filter_map(|other| match other.value {
+                Value::Known { value, low, high } => Some([other.truth, value, low, high]),
+                Value::Undefined { .. } => None,
+            })
+            .collect();
+        let held = told.iter().filter(|[truth, _, low, high]| (low..=high).contains(&truth)).count();
+        Ok(UnknownSummary {
+            name: name.to_owned(),
+            known: told.len(),
+            held,
+            share: clopper_pearson(held, told.len(), LEVEL)?,
+            median_error: median(told.iter().map(|[truth, value, ..]| (value / truth - 1.0).abs()).collect()),
+            median_half_width: median(told.iter().map(|[truth, _, low, high]| 0.5 * (high - low) / truth).collect()),
+        })
+    };
+    names.into_iter().map(of).collect()
 }
 
 /// One quantity, by the first exposures and by all.

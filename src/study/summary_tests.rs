@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::camera::noise::PixelRandom;
+use crate::study::Other;
 
 /// Estimates of known spread whose intervals are `stretch` times as wide as they should be.
 fn made_up(count: usize, stretch: f64) -> Vec<Trial> {
@@ -24,7 +25,11 @@ fn made_up(count: usize, stretch: f64) -> Vec<Trial> {
             };
             let rank = (100.0 * random.uniform()) as usize;
             let ranks = [Some(rank), Some(rank / 4), None];
-            Trial { row, exposure, truth: Some(truth), phantom_youngs_kpa: Some(5.0), estimates, ranks }
+            // Held by every other phantom's interval; and one that is never known.
+            let other = |name: &str, value| Other { name: name.to_owned(), truth: 5.0, value };
+            let own = if row.is_multiple_of(2) { 5.1 } else { 5.2 };
+            let others = vec![other("own", Value::known(own, own - 0.15, own + 0.15)), other("none", unknown())];
+            Trial { row, exposure, truth: Some(truth), phantom_youngs_kpa: Some(5.0), estimates, ranks, others }
         });
         exposures.collect()
     };
@@ -103,8 +108,8 @@ fn where_intervals_miss_and_inclusions_are_not_found_is_told() {
     assert_eq!((found.undecided, ends(&found.found)[0]), (30, share));
     let smallest = ends(&found.smallest_mm)[0];
     assert!((5.9..6.5).contains(&smallest), "{smallest}");
-    // Below 7 mm, three tenths of them, none is held: few of the smallest third, all others; the contrast falls with the
-    // size.
+    // Below 7 mm, three tenths of them, none is held: few of the smallest third, all others; the contrast falls with
+    // the size.
     let groups = &found.quantities[0].coverage;
     let held = |name: &str, third: usize| {
         let mut of = groups.iter().filter(|group| group.name.starts_with(name));
@@ -117,6 +122,17 @@ fn where_intervals_miss_and_inclusions_are_not_found_is_told() {
     let Told::Known(factor) = found.quantities[0].conformal_factor else { panic!() };
     assert!((factor / (0.05 / (0.02 * 1.05)) - 1.0).abs() < 1e-9, "{factor}");
     assert!(matches!(found.false_alarms, Value::Undefined { .. }));
+}
+
+#[test]
+fn all_unknowns_are_told_by_their_names() {
+    let found = Summary::of(&made_up(40, 1.0), &[]).unwrap().unknowns;
+    let of = |name: &str| found.iter().find(|one| one.name == name).unwrap();
+    assert_eq!((of("own").known, of("own").held, of("none").known), (40, 20, 0));
+    // 0.1 and 0.2 of 5, 0.15 of 5.
+    assert!((of("own").median_error.unwrap() - 0.03).abs() < 1e-12, "{found:?}");
+    assert!((of("own").median_half_width.unwrap() - 0.03).abs() < 1e-12, "{found:?}");
+    assert!(matches!(of("none").share, Value::Undefined { .. }) && of("none").median_error.is_none());
 }
 
 #[test]

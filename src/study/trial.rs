@@ -1,13 +1,16 @@
 //! Trials: one exposure of one phantom, inverted.
 
 use super::StudyError;
-use crate::calibrate::{CalibrateError, FrameModel, Frames, Inclusion, SAME_DEPTH, sweep_of};
+use crate::calibrate::{
+    CalibrateError, FrameModel, Frames, Inclusion, Inferred, InferredUnknown, SAME_DEPTH, sweep_of,
+};
 use crate::camera::expose;
-use crate::estimate::{Estimates, GreyImage};
+use crate::estimate::{Estimates, GreyImage, Value};
 use crate::film::Film;
 use crate::image_io::read_radiance;
 use crate::output::Records;
 use crate::pipeline::Truth;
+use crate::scene::{Camera, LoadedScene};
 use crate::streams::Streams;
 use crate::sweep::{Record, Rejected, Sweep};
 use rayon::prelude::*;
@@ -34,6 +37,19 @@ pub struct Trial {
     /// Rank of the true size, depth and modulus among 99 draws of the posterior, 0 to 99; none where there are no
     /// draws.
     pub ranks: [Option<usize>; 3],
+    /// The calibration's unknowns that the phantoms' sweep has variables of, by their names.
+    pub others: Vec<Other>,
+}
+
+/// An unknown of the calibration, by its name.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Other {
+    /// The name.
+    pub name: String,
+    /// What is true of it.
+    pub truth: f64,
+    /// What its frames say.
+    pub value: Value,
 }
 
 /// How phantoms are tried.
@@ -80,6 +96,39 @@ pub fn trials(
     Ok(all.map(|all| all.into_iter().flatten().collect()))
 }
 
+/// What a sweep kept of a point.
+pub(super) struct Seen {
+    /// Its scene.
+    pub loaded: LoadedScene,
+    /// Radiance of its loads.
+    pub films: Vec<Film>,
+}
+
+/// A point of a sweep that kept radiance.
+pub(super) fn seen(sweep: &Sweep, records: &Records, row: usize, record: &Record) -> Result<Seen, StudyError> {
+    let unsuited = |why: String| CalibrateError::Unsuited { folder: records.folder().to_path_buf(), why };
+    let point = sweep.plan.point(row).map_err(unsuited)?;
+    let loaded = sweep.scene(&point).map_err(|rejected| match rejected {
+        Rejected::Point(why) => unsuited(format!("point {row}: {why}")),
+        Rejected::Sweep(broken) => unsuited(broken.to_string()),
+    })?;
+    let split = sweep.file.sweep.images.map_or("", |images| images.split(row));
+    let folder = records.folder().join(split);
+    let films = record.images.iter().map(|kept| Ok(read_radiance(&folder.join(&kept.file))?.0));
+    Ok(Seen { loaded, films: films.collect::<Result<_, CalibrateError>>()? })
+}
+
+/// A frame of a camera; each exposure has noise of its own.
+pub(super) fn exposed(
+    film: &Film,
+    camera: &Camera,
+    wavelength_nm: f64,
+    exposure: u32,
+) -> Result<GreyImage, StudyError> {
+    let seed = Streams::of_image(exposure, &film.mean).sensor();
+    Ok(GreyImage::from_frame(&expose(film, camera, wavelength_nm, seed)?)?)
+}
+
 struct Phantoms<'a> {
     model: &'a FrameModel,
     sweep: &'a Sweep,
@@ -89,18 +138,9 @@ struct Phantoms<'a> {
 
 impl Phantoms<'_> {
     fn one(&self, row: usize, record: &Record) -> Result<Vec<Trial>, StudyError> {
-        let unsuited = |why: String| CalibrateError::Unsuited { folder: self.records.folder().to_path_buf(), why };
-        let point = self.sweep.plan.point(row).map_err(unsuited)?;
-        let loaded = self.sweep.scene(&point).map_err(|rejected| match rejected {
-            Rejected::Point(why) => unsuited(format!("point {row}: {why}")),
-            Rejected::Sweep(broken) => unsuited(broken.to_string()),
-        })?;
+        let Seen { loaded, films } = seen(self.sweep, self.records, row, record)?;
         let (mut camera, wavelength_nm) = (loaded.scene.camera.clone(), loaded.scene.light.wavelength_nm);
         camera.sensor.exposure_ms = self.how.exposure_ms.unwrap_or(camera.sensor.exposure_ms);
-        let split = self.sweep.file.sweep.images.map_or("", |images| images.split(row));
-        let folder = self.records.folder().join(split);
-        let films = record.images.iter().map(|kept| Ok(read_radiance(&folder.join(&kept.file))?.0));
-        let films = films.collect::<Result<Vec<_>, CalibrateError>>()?;
         let truth = Truth::of(loaded.scene.phantom.as_ref(), &loaded.files, self.how.empty)?;
         let figures = [&truth.size_mm, &truth.depth_mm, &truth.youngs_kpa].map(|figure| figure.value());
         let inclusion = match figures {
@@ -108,26 +148,35 @@ impl Phantoms<'_> {
             _ => None,
         };
         let exposure = |exposure: u32| {
-            let frame = |film: &Film| -> Result<GreyImage, StudyError> {
-                let seed = Streams::of_image(exposure, &film.mean).sensor();
-                Ok(GreyImage::from_frame(&expose(film, &camera, wavelength_nm, seed)?)?)
-            };
+            let frame = |film: &Film| exposed(film, &camera, wavelength_nm, exposure);
             let frames = films.iter().map(frame).collect::<Result<Vec<_>, _>>()?;
             let frames = self.model.depths_mm.iter().copied().zip(&frames).collect();
-            let (estimates, posterior) = self.model.inverted(&Frames { camera: &camera, wavelength_nm, frames });
+            let (estimates, inferred) = self.model.inverted(&Frames { camera: &camera, wavelength_nm, frames });
             let rank = |k: usize| {
-                let share = posterior.as_ref()?.below(self.model.unknown(k)?, figures[k]?)?;
+                let share = inferred.as_ref().ok()?.posterior.below(self.model.unknown(k)?, figures[k]?)?;
                 Some(((share * (RANKED + 1) as f64) as usize).min(RANKED))
             };
+            let others = inferred.iter().flat_map(|inferred| self.others(record, inferred)).collect();
             Ok(Trial {
                 row,
                 exposure,
                 truth: inclusion,
                 phantom_youngs_kpa: truth.phantom_youngs_kpa.value(),
-                estimates,
                 ranks: [0, 1, 2].map(rank),
+                estimates,
+                others,
             })
         };
         (0..self.how.exposures).map(exposure).collect()
+    }
+
+    /// What is inferred of variables that the sweep draws under the calibration's names.
+    fn others(&self, record: &Record, inferred: &Inferred) -> Vec<Other> {
+        let of = |unknown: &InferredUnknown| {
+            let place = self.sweep.plan.names().position(|name| name == unknown.name)?;
+            let truth = record.values.get(place)?.number()?;
+            Some(Other { name: unknown.name.clone(), truth, value: unknown.value.clone() })
+        };
+        inferred.unknowns.iter().filter_map(of).collect()
     }
 }

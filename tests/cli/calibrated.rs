@@ -33,8 +33,24 @@ fn a_phantom_is_estimated_and_its_frames_say_the_same_from_anywhere() {
     let output = of_images(&["--depths-mm", "1,2,4"]);
     assert_eq!(code(&output), 0, "{output:?}");
     assert_eq!(json(&output)["estimates"], *estimates);
+    // All unknowns of the calibration: the size is the same, the phantom's own modulus is told too.
+    let inferred = &json(&output)["inferred"];
+    let unknowns = inferred["unknowns"].as_array().unwrap();
+    let of = |name: &str| unknowns.iter().find(|one| one["name"] == name).unwrap();
+    assert_eq!(of("size")["value"], estimates["size_mm"]);
+    assert_eq!(of("phantom")["keys"][0], "phantom.material.youngs_kpa");
+    let [low, high] = ["low", "high"].map(|end| of("phantom")["value"][end].as_f64().unwrap());
+    assert!(low < 5.0 && 5.0 < high && high - low < 2.0, "{inferred}");
+    let correlation = |i: usize, j: usize| inferred["correlations"][i][j].as_f64().unwrap();
+    for i in 0..unknowns.len() {
+        assert!((correlation(i, i) - 1.0).abs() < 1e-9);
+        assert!((0..i).all(|j| correlation(i, j) == correlation(j, i) && correlation(i, j).abs() <= 1.0), "{inferred}");
+    }
+    assert!(inferred["leds"].as_array().unwrap().iter().all(|led| led["off"].as_f64().unwrap().abs() < 0.15));
+    assert!(inferred["chance"].as_f64().unwrap() > 1e-4, "{inferred}");
     // Depths that the calibration does not know, and too few of them.
     let other = json(&of_images(&["--depths-mm", "1.5,2.5,5"]));
+    assert!(other["inferred"]["undefined"].is_string(), "{other}");
     assert!(other["estimates"]["size_mm"]["undefined"].as_str().unwrap().contains("1, 2, 4 mm deep"), "{other}");
     assert_eq!(code(&of_images(&["--depths-mm", "1,2"])), 2);
 
@@ -90,21 +106,27 @@ fn a_calibration_of_another_sensor_or_of_nothing_is_said() {
     assert_eq!(code(&output), 2, "{output:?}");
 }
 
-/// Two phantoms, one of them hardly there, of a sweep in the scene's own folder.
-fn small_study(place: &Place) {
+/// A sweep of phantoms that keeps the radiance of all loads, coarse and noisy.
+fn small_sweep(place: &Place, name: &str, vary: &[(&str, &str)]) {
     let base = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/calibrations/sensor.toml");
     place.write("sensor.toml", &std::fs::read_to_string(base).unwrap());
-    let sweep = |extra: &str| {
-        format!(
-            "[sweep]\nscene = \"sensor.toml\"\ndesign = {{ kind = \"grid\" }}\n\
-             images = {{ format = \"exr\", loads = \"all\" }}\n\
-             [[vary]]\nkey = \"render.photons\"\nfixed = 60000\n\
-             [[vary]]\nkey = \"press.resolution\"\nfixed = 0.5\n{extra}\n[[measure]]\nkind = \"force\"\n"
-        )
-    };
-    let sizes = "[[vary]]\nkey = \"phantom.inclusion[0].shape.diameter_mm\"\nvalues = [8.0, 10.0]";
-    place.write("phantoms.toml", &sweep(sizes));
-    place.write("empty.toml", &sweep("[[vary]]\nkey = \"phantom.inclusion[0].material.youngs_kpa\"\nvalues = [5.0]"));
+    let vary = vary.iter().map(|(key, values)| format!("[[vary]]\nkey = \"{key}\"\nvalues = {values}\n"));
+    let sweep = format!(
+        "[sweep]\nscene = \"sensor.toml\"\ndesign = {{ kind = \"grid\" }}\n\
+         images = {{ format = \"exr\", loads = \"all\" }}\n\
+         [[vary]]\nkey = \"render.photons\"\nfixed = 60000\n\
+         [[vary]]\nkey = \"press.resolution\"\nfixed = 0.5\n{}\n[[measure]]\nkind = \"force\"\n",
+        vary.collect::<String>()
+    );
+    place.write(name, &sweep);
+}
+
+const SIZE: &str = "phantom.inclusion[0].shape.diameter_mm";
+
+/// Two phantoms, and one whose inclusion is none.
+fn small_study(place: &Place) {
+    small_sweep(place, "phantoms.toml", &[(SIZE, "[8.0, 10.0]")]);
+    small_sweep(place, "empty.toml", &[("phantom.inclusion[0].material.youngs_kpa", "[5.0]")]);
     let study = format!(
         "[study]\ncalibration = \"{CALIBRATION}\"\nphantoms = \"phantoms.toml\"\nempty = \"empty.toml\"\n\
          exposure_ms = 0.0778\nexposures = 2\n"
@@ -132,6 +154,8 @@ fn a_study_tells_true_against_estimated() {
         assert_eq!(quantity["known"].as_u64().unwrap() + undefined, 2, "{quantity}");
         assert!(quantity["ranks"]["undefined"].is_string(), "two phantoms have no histogram: {quantity}");
     }
+    // Names that the sweep and the calibration share: none here, for the sweep's are keys.
+    assert_eq!(said["unknowns"].as_array().unwrap().len(), 0, "{said}");
     let out = place.path().join("out/study");
     let table = std::fs::read_to_string(out.join("estimates.csv")).unwrap();
     assert_eq!(table.lines().count(), 1 + 3 * 2, "{table}");
@@ -160,6 +184,71 @@ fn a_study_tells_true_against_estimated() {
     broken("[study]\nphantoms = \"phantoms.toml\"\nexposure_ms = -1.0\n", "study.exposure_ms");
     broken("[study]\nphantoms = \"phantoms.toml\"\ncalibration = \"none.json\"\n", "none.json");
     broken("[study]\nphantom = \"phantoms.toml\"\n", "phantom");
+    let of_paper = |figure: &str, more: &str, why: &str| {
+        broken(&format!("[study]\nphantoms = \"phantoms.toml\"\n{more}\n[study.paper]\nfigure = \"{figure}\"\n"), why);
+    };
+    of_paper("stiffness", "", "study.calibration");
+    of_paper("size", "exposures = 2", "study.exposures");
+    of_paper("size", "empty = \"empty.toml\"", "study.empty");
+    of_paper("girth", "", "study.paper.figure");
+}
+
+/// The TSIS paper's figures, of two phantoms of two images each, and of pairs.
+#[test]
+fn a_study_of_the_paper_reads_its_figures_from_images_as_they_are() {
+    let place = Place::new();
+    small_sweep(&place, "phantoms.toml", &[(SIZE, "[8.0, 12.0]"), ("phantom.material.youngs_kpa", "[5.0, 5.1]")]);
+    place.write(
+        "sensor-calibration.toml",
+        "mm_per_pixel = 0.25\nbottom_area_mm2 = 900.0\nforce_n_from_sum_grey = [[0.0, 0.0], [1e6, 4.0]]\n",
+    );
+    let study = |figure: &str, more: &str| {
+        place.write(
+            &format!("{figure}.toml"),
+            &format!(
+                "[study]\nphantoms = \"{}\"\ncalibration = \"sensor-calibration.toml\"\nexposure_ms = 0.006\n\
+                 [study.paper]\nfigure = \"{figure}\"\n{more}\n",
+                if figure == "size" { "phantoms.toml" } else { "out/size/phantoms" }
+            ),
+        );
+        let output = tirtouch_in(place.path(), &["study", &format!("{figure}.toml"), "--json", "--quiet"]);
+        assert_eq!(code(&output), 0, "{output:?}");
+        json(&output)
+    };
+    let table =
+        |figure: &str| std::fs::read_to_string(place.path().join(format!("out/{figure}/readings.csv"))).unwrap();
+    let size = study("size", "published = [1.0, 2.0]");
+    let phantoms = size["phantoms"].as_array().unwrap();
+    let of = |key: &str| phantoms.iter().map(|one| one[key].clone()).collect::<Vec<_>>();
+    assert_eq!((of("truth"), of("known")), (vec![8.0.into(), 12.0.into()], vec![2.into(), 2.into()]), "{size}");
+    assert_eq!((of("true_ratio"), of("published_ratio")), (vec![1.0.into(), 1.5.into()], vec![1.0.into(), 2.0.into()]));
+    assert_eq!(size["same_order"], true, "{size}");
+    let page = std::fs::read_to_string(place.path().join("out/size/report.html")).unwrap();
+    assert!(page.contains("ratios of means to the first"));
+
+    // The same figure as `estimate` reads of the same image, exposed by the same camera.
+    let first = shown(place.path().join("out/size/phantoms/train/0000000_2.exr"));
+    let camera = std::fs::read_to_string(place.path().join("sensor.toml")).unwrap();
+    place.write("camera.toml", &camera.replace("exposure_ms = 0.7 ", "exposure_ms = 0.006 "));
+    let flags = ["--exposure", "camera.toml", "--calibration", "sensor-calibration.toml", "--json"];
+    let output = tirtouch_in(place.path(), &[&["estimate", &first][..], &flags].concat());
+    let read = json(&output)["images"][0]["paper"]["diameter_mm"]["value"].as_f64().unwrap();
+    let ours: f64 = table("size").lines().nth(1).unwrap().split(',').nth(3).unwrap().parse().unwrap();
+    assert!((ours / read - 1.0).abs() < 0.05, "{ours} {read}");
+
+    let depth = study("depth", "");
+    assert_eq!(depth["phantoms"].as_array().unwrap().len(), 1, "both are 5 mm deep: {depth}");
+    assert_eq!(depth["same_order"], serde_json::Value::Null);
+    let stiffness = study("stiffness", "");
+    assert_eq!(stiffness["phantoms"][0]["readings"], 4, "{stiffness}");
+    // E = P / T with P = F / C.
+    for line in table("stiffness").lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |k: usize| cells[k].parse::<f64>().ok();
+        if let (Some(e), Some(f), Some(p), Some(t)) = (number(3), number(5), number(6), number(7)) {
+            assert!((e * t / p - 1.0).abs() < 1e-9 && (1e3 * f / 900.0 / p - 1.0).abs() < 1e-9, "{line}");
+        }
+    }
 }
 
 #[test]

@@ -30,7 +30,7 @@ const MOST_MISSING: f64 = 0.1;
 /// A step that is shorter than this, in standard deviations, ends the search.
 const SHORT: f64 = 0.3;
 /// How often a fine scan puts the coarse ones right.
-const CORRECTIONS: usize = 4;
+const CORRECTIONS: usize = 12;
 /// Error of the coarse mesh before it is known, as a share of each feature's size.
 const COARSE_ERROR: f64 = 0.005;
 /// Error of a feature on the fine mesh as a share of what that mesh put right, there and at the median of its kind; and
