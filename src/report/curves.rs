@@ -79,10 +79,20 @@ pub fn curve_plot(plot: &CurvePlot) -> Result<String, PictureError> {
     for (i, curve) in plot.curves.iter().enumerate() {
         draw_band(&mut svg, &axes, curve, color(i));
     }
-    for (i, curve) in plot.curves.iter().enumerate() {
+    let of_dots = |dots: bool| {
+        let curves = plot.curves.iter().enumerate();
+        curves.filter(move |(_, curve)| (curve.style == CurveStyle::Points) == dots)
+    };
+    for (i, curve) in of_dots(false) {
         draw_curve(&mut svg, &axes.polyline(&curve.points), curve.style, color(i));
     }
     svg.end_clip();
+    // Dots on the frame are whole.
+    let inside = |point: &[f64; 2]| (0..2).all(|axis| (axes.low[axis]..=axes.high[axis]).contains(&point[axis]));
+    for (i, curve) in of_dots(true) {
+        let points: Vec<[f64; 2]> = curve.points.iter().copied().filter(inside).collect();
+        draw_curve(&mut svg, &axes.polyline(&points), curve.style, color(i));
+    }
     axes.scales(&mut svg, plot.x, plot.y);
     axes::legend(&mut svg, &keys, [86.0, legend_top], SIZE[0]);
     Ok(svg.finish())
@@ -168,6 +178,22 @@ mod tests {
             assert!(svg.contains(&format!(">{text}<")), "{text}");
         }
         keep_sample("curves.svg", &svg);
+    }
+
+    /// Dots on the frame are drawn whole, beyond the clipped area; those above the highest value are left out.
+    #[test]
+    fn dots_are_whole_or_not_there() {
+        let mut plot = hertz();
+        // After the end of the clipped part.
+        let dots = |plot: &CurvePlot| {
+            let svg = curve_plot(plot).unwrap();
+            svg.split_once("</svg>").unwrap().1.matches("h0").count()
+        };
+        let whole = dots(&plot);
+        plot.highest = Some(4.0);
+        let cut = plot.curves[0].points.iter().filter(|point| point[1] > 4.0).count();
+        assert!(whole >= 24 && cut > 5, "{whole} {cut}");
+        assert_eq!(dots(&plot), whole - cut);
     }
 
     #[test]

@@ -40,7 +40,7 @@ const SHARED: f64 = 1.0;
 /// Least size of a feature's error, kPa or mm.
 const LEAST_ERROR: f64 = 1e-6;
 /// Least chi square by degree of freedom at which the fit fails: something in the scene is not as in the frames.
-const FAILS: f64 = 6.0;
+const FAILS: f64 = 3.0;
 
 /// A tissue, with its features.
 #[derive(Clone)]
