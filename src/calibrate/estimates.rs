@@ -34,14 +34,13 @@ pub struct Inferred {
     pub unknowns: Vec<InferredUnknown>,
     /// Correlation of each pair, as they are drawn (logarithms where these are even beforehand).
     pub correlations: Vec<Vec<f64>>,
-    /// Powers of the LEDs at the best place.
+    /// Powers of the LEDs at the best place; how well they are known is not said.
     pub leds: Vec<LedPower>,
-    /// Scores of the frames, and the sum of their squared misfits in units of their errors.
+    /// Scores of the frames.
     pub scores: usize,
-    /// That sum.
+    /// Sum of their squared misfits at the best place, in units of their errors. With no fewer unknowns than scores it
+    /// is near 0, whatever the frames; what tells a bad fit is `noise`.
     pub misfit: f64,
-    /// Chance of a chi-square number as large.
-    pub chance: f64,
     /// What is not explained, over the noise of the light of the training images.
     pub noise: f64,
     /// Draws of the unknowns.
@@ -56,6 +55,8 @@ pub struct InferredUnknown {
     pub name: String,
     /// Keys of the scene that it stands for; none where other keys follow from it.
     pub keys: Vec<String>,
+    /// Whether it is the inclusion's size, depth or modulus.
+    pub is_of_inclusion: bool,
     /// Its value, in the unit of the key.
     pub value: Value,
 }
@@ -111,7 +112,8 @@ impl FrameModel {
         };
         let of = |(k, unknown): (usize, &Unknown)| {
             let keys = self.keys.get(k).cloned().unwrap_or_default();
-            InferredUnknown { name: unknown.name.clone(), keys, value: value(k) }
+            let is_of_inclusion = self.roles.get(k).is_some_and(|role| *role != Role::Other);
+            InferredUnknown { name: unknown.name.clone(), keys, is_of_inclusion, value: value(k) }
         };
         let coordinates = |draw: &Vec<f64>| -> Vec<f64> {
             unknowns.iter().zip(draw).map(|(unknown, value)| unknown.prior.coordinate(*value)).collect()
@@ -123,7 +125,6 @@ impl FrameModel {
             leds: self.learnt.nuisances.iter().zip(leds).map(led).collect(),
             scores: self.scores(),
             misfit: posterior.misfit,
-            chance: chance(posterior.misfit, self.scores() as f64),
             noise: told.noise_factor.sqrt(),
             posterior,
         }

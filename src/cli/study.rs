@@ -9,7 +9,7 @@ use crate::output::{RESULT, Records};
 use crate::pages::paper_study::{self, PaperPage};
 use crate::pages::study;
 use crate::report::Report;
-use crate::study::{How as Tried, Paper, Parts, StudyError, StudyFile, Summary, Trial, readings, trials};
+use crate::study::{How as Tried, Paper, PaperFigure, Parts, StudyError, StudyFile, Summary, Trial, readings, trials};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -29,11 +29,14 @@ impl Study {
         let parts = StudyFile::load(&self.study)?.study;
         let name = self.study.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let out = self.how.place_or(|| PathBuf::from("out").join(&name));
+        let reader = Reader::of(&parts)?;
+        let kind = if parts.paper.is_some() { "study of the paper" } else { "study" };
         // Others may compute parts of the same study.
-        let records = Records::join(&out, &json!({"kind": "study"}), false, out.is_dir())?;
-        let said = match &parts.paper {
-            Some(paper) => self.of_paper(&name, &parts, paper, &out)?,
-            None => self.of_estimates(&name, &parts, &out)?,
+        let records = Records::join(&out, &json!({"kind": kind}), false, out.is_dir())?;
+        let said = match &reader {
+            Reader::Paper(paper, calibration) => self.of_paper(&name, &parts, (*paper, calibration.as_ref()), &out)?,
+            Reader::Own(model) => self.of_estimates(&name, &parts, model, &out)?,
+            Reader::Ready(model) => self.of_estimates(&name, &parts, model, &out)?,
         };
         records.write(said.table.0, &said.table.1)?;
         records.write("report.html", &said.report.to_html())?;
@@ -47,12 +50,7 @@ impl Study {
     }
 
     /// True against estimated.
-    fn of_estimates(&self, name: &str, parts: &Parts, out: &Path) -> Result<Said, Failure> {
-        let own = parts.calibration.as_deref().map(FrameModel::load).transpose()?;
-        let model = match &own {
-            Some(own) => own,
-            None => ready().ok_or_else(|| Failure::failed("the calibration that comes with the program is damaged"))?,
-        };
+    fn of_estimates(&self, name: &str, parts: &Parts, model: &FrameModel, out: &Path) -> Result<Said, Failure> {
         let (phantoms, empty) = self.folders(parts, out)?;
         let (exposures, exposure_ms) = (parts.exposures.unwrap_or(2), parts.exposure_ms);
         let of = |folder: &Path, empty| self.trials(model, folder, Tried { empty, exposures, exposure_ms });
@@ -69,10 +67,15 @@ impl Study {
     }
 
     /// The TSIS paper's figures of several images.
-    fn of_paper(&self, name: &str, parts: &Parts, paper: &Paper, out: &Path) -> Result<Said, Failure> {
-        let calibration = parts.calibration.as_deref().map(Calibration::load).transpose()?;
+    fn of_paper(
+        &self,
+        name: &str,
+        parts: &Parts,
+        (paper, calibration): (&Paper, Option<&Calibration>),
+        out: &Path,
+    ) -> Result<Said, Failure> {
         let (phantoms, _) = self.folders(parts, out)?;
-        let found = readings(&phantoms, paper, calibration.as_ref(), parts.exposure_ms, &self.observer())?;
+        let found = readings(&phantoms, paper, calibration, parts.exposure_ms, &self.observer())?;
         let found = found.ok_or_else(Failure::cancelled)?;
         let summary = paper.summary(&found);
         let page = PaperPage { name, description: &parts.description, summary: &summary };
@@ -105,6 +108,40 @@ impl Study {
 
     fn trials(&self, model: &FrameModel, folder: &Path, tried: Tried) -> Result<Vec<Trial>, Failure> {
         trials(model, folder, tried, &self.observer())?.ok_or_else(Failure::cancelled)
+    }
+}
+
+/// What images are read by.
+enum Reader<'a> {
+    /// A figure of the paper, and a calibration of the sensor.
+    Paper(&'a Paper, Option<Calibration>),
+    /// What was learnt of frames.
+    Own(Box<FrameModel>),
+    /// What comes with the program.
+    Ready(&'static FrameModel),
+}
+
+impl<'a> Reader<'a> {
+    fn of(parts: &'a Parts) -> Result<Self, Failure> {
+        let file = parts.calibration.as_deref();
+        if let Some(paper) = &parts.paper {
+            let calibration = file.map(Calibration::load).transpose()?;
+            let is_whole =
+                |known: &Calibration| known.bottom_area_mm2.and(known.force_n_from_sum_grey.as_ref()).is_some();
+            return match (file, paper.figure == PaperFigure::Stiffness && !calibration.as_ref().is_some_and(is_whole)) {
+                (Some(file), true) => {
+                    let needed = "needs bottom_area_mm2 and force_n_from_sum_grey for a stiffness";
+                    Err(Failure::input(format!("{}: {needed}", file.display())).in_file(file))
+                }
+                _ => Ok(Self::Paper(paper, calibration)),
+            };
+        }
+        match file {
+            Some(file) => Ok(Self::Own(Box::new(FrameModel::load(file)?))),
+            None => ready()
+                .map(Self::Ready)
+                .ok_or_else(|| Failure::failed("the calibration that comes with the program is damaged")),
+        }
     }
 }
 

@@ -85,13 +85,24 @@ pub(super) struct How {
     #[arg(long, value_enum, default_value_t)]
     engine: Engine,
     /// Tasks of the job array.
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=10_000), allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 16,
+        value_parser = clap::value_parser!(u32).range(1..=10_000),
+        allow_negative_numbers = true
+    )]
     tasks: u32,
     /// Send the job array, too.
     #[arg(long)]
     submit: bool,
     /// Threads that press beside the one that traces [default: half of the cores].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256), allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..=256),
+        allow_negative_numbers = true
+    )]
     workers: Option<u32>,
     /// Where to trace.
     #[arg(long, value_enum, default_value_t)]
@@ -112,6 +123,8 @@ impl Parts<'_> {
     /// The folder of a part: one of a sweep that is there, or one of this name in which the sweep file is computed.
     pub fn part(&mut self, part: &Path, name: &str) -> Result<PathBuf, Failure> {
         if part.is_dir() {
+            let (sweep, records) = Sweep::of_folder(part)?;
+            self.is_whole &= Status::of(&sweep, &records).ended() >= sweep.plan.count();
             return Ok(part.to_path_buf());
         }
         let folder = self.out.join(name);

@@ -108,6 +108,10 @@ impl Calibration {
             let end = span.map_or(0, |s| s.start).min(text.len());
             1 + text.as_bytes().iter().take(end).filter(|&&b| b == b'\n').count()
         };
+        if text.trim_start().starts_with('{') {
+            let message = "is JSON, as what is learnt of frames is; the calibration of a sensor is TOML".to_owned();
+            return Err(CalibrationError::Parse { file: file.to_owned(), line: 1, message });
+        }
         let document: Document = toml::from_str(text).map_err(|error| CalibrationError::Parse {
             file: file.to_owned(),
             line: line_of(error.span()),
@@ -220,6 +224,7 @@ mod tests {
         assert!(error("mm_per_pixel = 1.0\nwidth = 3\n").starts_with("c.toml:2: unknown field `width`"));
         assert!(error("bottom_area_mm2 = 1.0\n").contains("mm_per_pixel"));
         assert!(error("mm_per_pixel = \n").starts_with("c.toml:1:"));
+        assert!(error("{\"version\": 1}").contains("is JSON"));
         let table = |rows: &str| error(&format!("mm_per_pixel = 1.0\nforce_n_from_sum_grey = {rows}\n"));
         assert!(table("[[1.0, 2.0]]").starts_with("c.toml:2: force_n_from_sum_grey has 1 rows"));
         assert!(table("[[1.0, 2.0], [1.0, 3.0]]").contains("sums must rise"));

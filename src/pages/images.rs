@@ -69,14 +69,19 @@ pub fn text(
     };
     rows.extend(inclusion_rows(inclusion));
     if let Ok(inferred) = inferred {
-        rows.extend(inferred.unknowns.iter().map(|one| row(&one.name, all_said(&one.value, ""))));
-        let powers: Vec<String> =
-            inferred.leds.iter().map(|led| format!("{} {:+.1} %", led.name, 100.0 * led.off)).collect();
-        rows.push(row("power", powers.join(", ")));
-        let (chance, noise) = (figure(inferred.chance), figure(inferred.noise));
-        rows.push(row("fit", format!("as bad by chance {chance}; noise {noise} times that of the training images")));
+        let others = inferred.unknowns.iter().filter(|one| !one.is_of_inclusion);
+        rows.extend(others.map(|one| row(&one.name, all_said(&one.value, unit(&one.keys)))));
+        let noise = format!("{} times that of the training images", figure(inferred.noise));
+        rows.push(row("unexplained", noise));
     }
     text + &columns(&rows)
+}
+
+/// Unit of keys, by the ending of the first.
+fn unit(keys: &[String]) -> &'static str {
+    let key = keys.first().map_or("", String::as_str);
+    let known = [("_kpa", "kPa"), ("_mm", "mm"), ("_mw", "mW"), ("_deg", "degrees"), ("_per_mm", "per mm")];
+    known.into_iter().rfind(|(ending, _)| key.ends_with(ending)).map_or("", |(_, unit)| unit)
 }
 
 /// A figure with its interval, which holds no noise that a new image would show.

@@ -24,7 +24,8 @@ fn number(value: Option<f64>) -> String {
 
 /// Every image, or pair of images, as a row.
 pub fn csv(readings: &[Reading]) -> Result<String, PageError> {
-    let heads = ["row", "truth", "press_mm", "value", "undefined", "force_n", "pressure_kpa", "deformation"];
+    let heads =
+        ["row", "truth", "press_mm", "value", "undefined", "force_n", "pressure_kpa", "deformation", "warnings"];
     let cell = |value: Option<&Value>| value.and_then(Value::best).map(f64::to_string).unwrap_or_default();
     let row = |reading: &Reading| {
         let of = |pick: fn(&Stiffness) -> &Value| cell(reading.stiffness.as_ref().map(pick));
@@ -41,6 +42,7 @@ pub fn csv(readings: &[Reading]) -> Result<String, PageError> {
             of(|found| &found.force_n),
             of(|found| &found.pressure_kpa),
             of(|found| &found.deformation),
+            reading.warnings.join("; "),
         ]
     };
     table("readings.csv", heads.map(str::to_owned).to_vec(), readings.iter().map(row))
@@ -64,6 +66,9 @@ impl PaperPage<'_> {
                 figure(phantom.true_ratio),
             );
             rows.push((format!("{} {true_unit}", phantom.truth), told));
+            if phantom.warned > 0 {
+                rows.push((String::new(), format!("{} of these with a warning: see readings.csv", phantom.warned)));
+            }
         }
         rows.push(("order".to_owned(), self.order()));
         rows.push(("folder".to_owned(), out.to_owned()));
@@ -77,11 +82,14 @@ impl PaperPage<'_> {
         let order = match self.summary.same_order {
             Some(true) => format!("means {follows} with the truth, as the paper's do"),
             Some(false) => "not the paper's: means do not follow the truth throughout".to_owned(),
-            None => return "undefined: not every phantom has a mean".to_owned(),
+            None => {
+                return "undefined: the figure of an image is not known, and the mean of the others is not that of all"
+                    .to_owned();
+            }
         };
         match self.summary.apart {
             Some(true) => order,
-            _ => format!("{order}; intervals of neighbours overlap: this order may be chance"),
+            _ => format!("{order}; but intervals of neighbours overlap: the means do not tell it"),
         }
     }
 
@@ -95,7 +103,10 @@ impl PaperPage<'_> {
         let row = |phantom: &Phantom| {
             vec![
                 format!("{} {true_unit}", phantom.truth),
-                format!("{} of {}", phantom.known, phantom.readings),
+                match phantom.warned {
+                    0 => format!("{} of {}", phantom.known, phantom.readings),
+                    warned => format!("{} of {}, {warned} with a warning", phantom.known, phantom.readings),
+                },
                 said(&phantom.mean, unit),
                 number(phantom.standard_deviation),
                 number(phantom.ratio),

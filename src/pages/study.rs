@@ -150,7 +150,10 @@ impl Page<'_> {
             ]
         };
         Table {
-            caption: "Every unknown of the calibration that the phantoms' sweep varies, by its name there".into(),
+            caption:
+                "Every unknown of the calibration that the phantoms' sweep varies, by its name there; intervals where \
+                      it is known"
+                    .into(),
             columns: ["", "known of", "median error", "half width", "intervals that hold"].map(str::to_owned).to_vec(),
             rows: self.summary.unknowns.iter().map(row).collect(),
         }

@@ -44,7 +44,9 @@ pub(super) fn linear(low: f64, high: f64, count: usize) -> Ticks {
 /// where the axis is shorter than that.
 pub(super) fn logarithmic(low: f64, high: f64) -> Vec<(f64, String)> {
     if high < 5.0 * low {
-        return linear(low, high, 5).marks.into_iter().map(|(value, _)| (value, short(value))).collect();
+        let Ticks { exponent, marks } = linear(low, high, 5);
+        let label = |value: f64, label: String| if exponent == 0 { label } else { short(value) };
+        return marks.into_iter().map(|(value, text)| (value, label(value, text))).collect();
     }
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let digits: &[i32] = if high < 200.0 * low { &[1, 2, 5] } else { &[1] };
@@ -52,7 +54,7 @@ pub(super) fn logarithmic(low: f64, high: f64) -> Vec<(f64, String)> {
         let value = f64::from(digit) * 10f64.powi(exponent);
         let label = match digits.len() {
             1 => power_of_ten(exponent),
-            _ if (-3..=3).contains(&exponent) => number(value, exponent.min(0).unsigned_abs() as usize),
+            _ if first >= -3 && last <= 5 => number(value, exponent.min(0).unsigned_abs() as usize),
             _ => format!("{digit} × {}", power_of_ten(exponent)),
         };
         (value, label)

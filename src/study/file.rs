@@ -60,8 +60,12 @@ impl StudyFile {
             if !(paper.threshold_grey >= 0.0 && paper.threshold_grey.is_finite()) {
                 return Err(Invalid::new("study.paper.threshold_grey", "must be 0 or more"));
             }
-            if paper.published.iter().flatten().any(|ratio| !(*ratio > 0.0 && ratio.is_finite())) {
-                return Err(Invalid::new("study.paper.published", "must be above 0"));
+            if paper.published.iter().flatten().flatten().any(|number| !(*number > 0.0 && number.is_finite())) {
+                return Err(Invalid::new("study.paper.published", "must be pairs of numbers above 0"));
+            }
+            if paper.figure == PaperFigure::Stiffness && file.study.exposure_ms.is_some() {
+                let what = "must be that of the scenes for a stiffness: the calibration's force is for one exposure";
+                return Err(Invalid::new("study.exposure_ms", what));
             }
             if file.study.exposures.is_some_and(|exposures| exposures > 1) {
                 let what = "must be 1 with study.paper: exposures of one press are no repeats of it";

@@ -1,7 +1,8 @@
 //! Studies: true against estimated, for hundreds of phantoms that a calibration was not learnt from.
 //!
 //! Sweeps press and trace the phantoms and keep the radiance of each load; [`trials`] exposes it with the noise of the
-//! camera and inverts the frames by the calibration; [`Summary`] says how far off estimates are and how often intervals hold.
+//! camera and inverts the frames by the calibration; [`Summary`] says how far off estimates are and how often intervals
+//! hold. [`readings`] reads a figure of the TSIS paper from the images instead.
 
 mod file;
 mod paper;

@@ -20,11 +20,11 @@ use std::path::Path;
 pub struct Paper {
     /// The figure.
     pub figure: PaperFigure,
-    /// Threshold k of lit pixels, grey levels. Default: the paper's 5.
+    /// Threshold k of lit pixels, grey levels: of the size and the stiffness. Default: the paper's 5.
     #[serde(default = "five")]
     pub threshold_grey: f64,
-    /// Published ratios of means to that of the first phantom, by ascending truth. Absent: none to compare with.
-    pub published: Option<Vec<f64>>,
+    /// What is published: true value and mean of each phantom, the means in any unit. Absent: nothing to compare with.
+    pub published: Option<Vec<[f64; 2]>>,
 }
 
 fn five() -> f64 {
@@ -81,9 +81,11 @@ pub struct Reading {
     pub value: Value,
     /// What it is made of, where it is a stiffness.
     pub stiffness: Option<Stiffness>,
+    /// What a reader must know about the image.
+    pub warnings: Vec<String>,
 }
 
-/// Readings of one phantom.
+/// Readings of all images with one truth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Phantom {
     /// What is true of it.
@@ -92,7 +94,9 @@ pub struct Phantom {
     pub readings: usize,
     /// Of how many the figure is known.
     pub known: usize,
-    /// Mean of these, with the 95 % interval of Student's t.
+    /// How many have a warning.
+    pub warned: usize,
+    /// Mean of these, with the 95 % interval of Student's t: as wide as images that are drawn at random make it.
     pub mean: Value,
     /// Their standard deviation, as the paper gives it.
     pub standard_deviation: Option<f64>,
@@ -111,10 +115,18 @@ pub struct PaperSummary {
     pub figure: PaperFigure,
     /// Phantoms by ascending truth.
     pub phantoms: Vec<Phantom>,
-    /// Whether means of neighbours lie in the paper's order; none where a mean is not known.
+    /// Whether means follow the truth as the paper's do; none where the figure of an image is not known, for a mean of
+    /// the others would be of the images that show it.
     pub same_order: Option<bool>,
-    /// Whether intervals of all neighbours lie apart: else their order may be chance.
+    /// Whether intervals of all neighbours lie apart: else the means do not tell the order.
     pub apart: Option<bool>,
+}
+
+/// Truths that differ by less than this share are the same.
+const SAME_TRUTH: f64 = 1e-9;
+
+fn is_same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME_TRUTH * b.abs()
 }
 
 /// Readings of all points of a sweep's folder that kept radiance.
@@ -135,11 +147,15 @@ pub fn readings(
         return Err(unsuited("keeps no radiance: images = { format = \"exr\" }".to_owned()));
     }
     let kept: Vec<_> = sweep.kept(&records).collect();
+    if kept.is_empty() {
+        return Err(unsuited("has no point with images".to_owned()));
+    }
     let mut readings = Vec::new();
     for (done, (row, record)) in kept.iter().enumerate() {
         if !observe(done, kept.len()) {
             return Ok(None);
         }
+        let [.., image] = record.images.as_slice() else { continue };
         if record.images.len() < needed {
             return Err(unsuited("keeps one image a point where the stiffness needs two: loads = \"all\"".to_owned()));
         }
@@ -156,16 +172,21 @@ pub fn readings(
         let last = &films[films.len() - needed..];
         let frames = last.iter().map(|film| exposed(film, &camera, wavelength_nm, 0));
         let frames = frames.collect::<Result<Vec<GreyImage>, StudyError>>()?;
-        let scale = calibration.map(|known| known.mm_per_pixel);
-        let mm_per_pixel = scale.or(record.images.last().map(|image| image.mm_per_pixel));
-        let (value, stiffness) = paper.read(&frames, mm_per_pixel.unwrap_or(f64::NAN), calibration);
-        let press_mm = record.images.last().and_then(|image| image.load).map_or(0.0, |(_, depth_mm, _)| depth_mm);
-        readings.push(Reading { row: *row, truth, press_mm, value, stiffness });
+        let mm_per_pixel = calibration.map_or(image.mm_per_pixel, |known| known.mm_per_pixel);
+        let (value, stiffness) = paper.read(&frames, mm_per_pixel, calibration);
+        let settings = paper.settings();
+        let warnings = frames.iter().flat_map(|frame| estimate(frame, &settings).warnings).collect();
+        let press_mm = image.load.map_or(0.0, |(_, depth_mm, _)| depth_mm);
+        readings.push(Reading { row: *row, truth, press_mm, value, stiffness, warnings });
     }
     Ok(Some(readings))
 }
 
 impl Paper {
+    fn settings(&self) -> Settings {
+        Settings { threshold_grey: self.threshold_grey, ..Settings::default() }
+    }
+
     /// The figure of an image, or of a pair.
     fn read(
         &self,
@@ -173,8 +194,12 @@ impl Paper {
         mm_per_pixel: f64,
         calibration: Option<&Calibration>,
     ) -> (Value, Option<Stiffness>) {
-        let settings = Settings { threshold_grey: self.threshold_grey, ..Settings::default() };
+        let settings = self.settings();
         match (self.figure, frames, calibration) {
+            // Where nothing is lit A is 0, and so is d.
+            (PaperFigure::Size, [frame], _) if frame.brighter_than(self.threshold_grey) == 0 => {
+                (Value::known(0.0, 0.0, 0.0), None)
+            }
             (PaperFigure::Size, [frame], _) => (estimate(frame, &settings).scaled(mm_per_pixel).diameter_mm, None),
             (PaperFigure::Depth, [frame], _) => (estimate(frame, &settings).h_grey, None),
             (PaperFigure::Stiffness, [first, second], Some(calibration)) => {
@@ -185,34 +210,45 @@ impl Paper {
         }
     }
 
+    /// The published mean of a phantom.
+    fn published(&self, truth: f64) -> Option<f64> {
+        let published = self.published.iter().flatten().find(|[of, _]| is_same(*of, truth));
+        published.map(|[_, mean]| *mean)
+    }
+
     /// What readings say, phantom by phantom.
     pub fn summary(&self, readings: &[Reading]) -> PaperSummary {
         let mut truths: Vec<f64> = readings.iter().map(|reading| reading.truth).collect();
         truths.sort_by(f64::total_cmp);
-        truths.dedup();
+        truths.dedup_by(|a, b| is_same(*a, *b));
         let mut phantoms: Vec<Phantom> = Vec::with_capacity(truths.len());
-        for (k, truth) in truths.iter().copied().enumerate() {
-            let of_it = || readings.iter().filter(|reading| reading.truth == truth);
-            let known: Vec<f64> = of_it().filter_map(|reading| reading.value.best().copied()).collect();
+        for truth in truths.iter().copied() {
+            let of_it: Vec<&Reading> = readings.iter().filter(|reading| is_same(reading.truth, truth)).collect();
+            let known: Vec<f64> = of_it.iter().filter_map(|reading| reading.value.best().copied()).collect();
+            let reason = of_it.iter().find_map(|reading| match &reading.value {
+                Value::Undefined { reason } => Some(reason.clone()),
+                Value::Known { .. } => None,
+            });
             let (mean, standard_deviation) = match Mean::of(&known) {
                 Ok(Mean { mean, standard_deviation }) => (mean, Some(standard_deviation)),
-                Err(error) => (Value::undefined(error.to_string()), None),
+                Err(error) => (Value::undefined(reason.unwrap_or_else(|| error.to_string())), None),
             };
             let first = phantoms.first().map_or(&mean, |first| &first.mean).best();
             phantoms.push(Phantom {
                 truth,
-                readings: of_it().count(),
+                readings: of_it.len(),
                 known: known.len(),
+                warned: of_it.iter().filter(|reading| !reading.warnings.is_empty()).count(),
                 standard_deviation,
                 true_ratio: truth / truths[0],
-                ratio: mean.best().zip(first).map(|(mean, first)| mean / first),
-                published_ratio: self.published.as_ref().and_then(|published| published.get(k).copied()),
+                ratio: mean.best().zip(first).map(|(mean, first)| mean / first).filter(|ratio| ratio.is_finite()),
+                published_ratio: self.published(truth).zip(self.published(truths[0])).map(|(mean, first)| mean / first),
                 mean,
             });
         }
         let ends = |phantom: &Phantom| match phantom.mean {
-            Value::Known { value, low, high } => Some([value, low, high]),
-            Value::Undefined { .. } => None,
+            Value::Known { value, low, high } if phantom.known == phantom.readings => Some([value, low, high]),
+            _ => None,
         };
         let means: Option<Vec<[f64; 3]>> = phantoms.iter().map(ends).collect();
         let means = means.filter(|means| means.len() > 1);
@@ -232,18 +268,18 @@ mod tests {
 
     fn reading(truth: f64, value: Option<f64>) -> Reading {
         let value = value.map_or(Value::undefined("nothing is lit"), |value| Value::known(value, value, value));
-        Reading { row: 0, truth, press_mm: 2.0, value, stiffness: None }
+        Reading { row: 0, truth, press_mm: 2.0, value, stiffness: None, warnings: Vec::new() }
     }
 
     fn paper(figure: PaperFigure) -> Paper {
-        Paper { figure, threshold_grey: 5.0, published: Some(vec![1.0, 1.85, 6.71]) }
+        Paper { figure, threshold_grey: 5.0, published: Some(vec![[14.0, 60.0], [2.0, 10.0], [8.0, 20.0]]) }
     }
 
     #[test]
     fn phantoms_are_told_apart_with_means_ratios_and_order() {
-        let values = [(8.0, 4.0), (2.0, 1.0), (8.0, 6.0), (14.0, 9.0), (2.0, 3.0), (14.0, 11.0)];
-        let mut readings: Vec<Reading> = values.map(|(truth, value)| reading(truth, Some(value))).to_vec();
-        readings.push(reading(2.0, None));
+        // What is computed is the same but for rounding.
+        let values = [(8.0, 4.0), (2.0, 1.0), (8.0 + 1e-14, 6.0), (14.0, 9.0), (2.0, 3.0), (14.0, 11.0)];
+        let readings: Vec<Reading> = values.map(|(truth, value)| reading(truth, Some(value))).to_vec();
         let found = paper(PaperFigure::Size).summary(&readings);
         let told = |k: usize| {
             let phantom = &found.phantoms[k];
@@ -251,26 +287,46 @@ mod tests {
         };
         assert_eq!(
             [told(0), told(1), told(2)],
-            [(2.0, 2, 3, 2.0, 1.0), (8.0, 2, 2, 5.0, 2.5), (14.0, 2, 2, 10.0, 5.0)]
+            [(2.0, 2, 2, 2.0, 1.0), (8.0, 2, 2, 5.0, 2.5), (14.0, 2, 2, 10.0, 5.0)]
         );
         assert_eq!(found.phantoms[1].true_ratio, 4.0);
-        assert_eq!(found.phantoms[2].published_ratio, Some(6.71));
+        let published = |found: &PaperSummary| -> Vec<f64> {
+            found.phantoms.iter().map(|phantom| phantom.published_ratio.unwrap()).collect()
+        };
+        assert_eq!(published(&found), [1.0, 2.0, 6.0]);
         assert!((found.phantoms[0].standard_deviation.unwrap() - 2f64.sqrt()).abs() < 1e-12);
         // Two readings say little: from 2 to 5 the means rise, their intervals overlap.
         assert_eq!((found.same_order, found.apart), (Some(true), Some(false)));
         let close = |value: f64| [reading(value, Some(value)), reading(value, Some(value + 0.01))];
-        let found_apart = paper(PaperFigure::Size).summary(&[close(2.0), close(8.0)].concat());
-        assert_eq!((found_apart.same_order, found_apart.apart), (Some(true), Some(true)));
+        // Without the smallest, published means are compared with that of the next.
+        let apart = paper(PaperFigure::Size).summary(&[close(8.0), close(14.0)].concat());
+        assert_eq!((apart.same_order, apart.apart), (Some(true), Some(true)));
+        assert_eq!(published(&apart), [1.0, 3.0]);
         // The depth indicator falls where the depth rises.
         assert_eq!(paper(PaperFigure::Depth).summary(&readings).same_order, Some(false));
     }
 
     #[test]
-    fn a_phantom_with_one_known_reading_has_no_mean_and_there_is_no_order() {
-        let readings = [reading(2.0, Some(1.0)), reading(2.0, None), reading(8.0, Some(4.0)), reading(8.0, Some(5.0))];
-        let found = paper(PaperFigure::Size).summary(&readings);
-        assert_eq!((found.phantoms[0].known, found.phantoms[0].mean.best()), (1, None));
-        assert_eq!((found.phantoms[1].ratio, found.same_order), (None, None));
+    fn where_a_figure_is_not_known_there_is_no_order() {
+        let some = [reading(2.0, Some(1.0)), reading(2.0, None), reading(8.0, Some(4.0)), reading(8.0, Some(5.0))];
+        let found = paper(PaperFigure::Size).summary(&some);
+        assert_eq!((found.phantoms[0].known, found.phantoms[1].ratio, found.same_order), (1, None, None));
+        let Value::Undefined { reason } = &found.phantoms[0].mean else { panic!("{found:?}") };
+        assert_eq!(reason, "nothing is lit");
+        // A mean of those that show it is there, and no order.
+        let found = paper(PaperFigure::Size).summary(&[&some[..], &[reading(2.0, Some(1.1))]].concat());
+        assert!(found.phantoms[0].mean.best().is_some());
+        assert_eq!((found.same_order, found.apart), (None, None));
         assert_eq!(paper(PaperFigure::Size).summary(&[]).same_order, None);
+    }
+
+    #[test]
+    fn an_image_in_which_nothing_is_lit_has_no_diameter() {
+        let dark = GreyImage::new(4, 3, &[5.0; 12], Some(255.0)).unwrap();
+        assert_eq!(paper(PaperFigure::Size).read(&[dark], 0.1, None).0, Value::known(0.0, 0.0, 0.0));
+        let lit = GreyImage::new(4, 3, &[6.0; 12], Some(255.0)).unwrap();
+        let d = *paper(PaperFigure::Size).read(&[lit], 0.1, None).0.best().unwrap();
+        // 2 sqrt(12 / pi) pixels of 0.1 mm.
+        assert!((d - 0.390_882_0).abs() < 1e-6, "{d}");
     }
 }

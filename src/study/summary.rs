@@ -50,9 +50,9 @@ pub struct UnknownSummary {
     pub held: usize,
     /// The share.
     pub share: Value,
-    /// Median of |estimate / truth - 1|.
+    /// Median of |estimate / truth - 1|, of truths that are not 0.
     pub median_error: Option<f64>,
-    /// Median of half an interval's width over the truth.
+    /// Median of half an interval's width over the truth's size, of truths that are not 0.
     pub median_half_width: Option<f64>,
 }
 
@@ -208,13 +208,14 @@ fn unknowns(first: &[Trial]) -> Result<Vec<UnknownSummary>, StatisticsError> {
             })
             .collect();
         let held = told.iter().filter(|[truth, _, low, high]| (low..=high).contains(&truth)).count();
+        let share = |of: &dyn Fn(&[f64; 4]) -> f64| median(told.iter().filter(|one| one[0] != 0.0).map(of).collect());
         Ok(UnknownSummary {
             name: name.to_owned(),
             known: told.len(),
             held,
             share: clopper_pearson(held, told.len(), LEVEL)?,
-            median_error: median(told.iter().map(|[truth, value, ..]| (value / truth - 1.0).abs()).collect()),
-            median_half_width: median(told.iter().map(|[truth, _, low, high]| 0.5 * (high - low) / truth).collect()),
+            median_error: share(&|[truth, value, ..]| (value - truth).abs() / truth.abs()),
+            median_half_width: share(&|[truth, _, low, high]| 0.5 * (high - low) / truth.abs()),
         })
     };
     names.into_iter().map(of).collect()

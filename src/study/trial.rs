@@ -170,10 +170,14 @@ impl Phantoms<'_> {
         (0..self.how.exposures).map(exposure).collect()
     }
 
-    /// What is inferred of variables that the sweep draws under the calibration's names.
+    /// What is inferred of variables that the sweep draws under the calibration's names and keys.
     fn others(&self, record: &Record, inferred: &Inferred) -> Vec<Other> {
         let of = |unknown: &InferredUnknown| {
             let place = self.sweep.plan.names().position(|name| name == unknown.name)?;
+            let keys = self.sweep.file.vary.get(place)?.key.as_ref().map(|keys| keys.all()).unwrap_or_default();
+            if keys != unknown.keys {
+                return None;
+            }
             let truth = record.values.get(place)?.number()?;
             Some(Other { name: unknown.name.clone(), truth, value: unknown.value.clone() })
         };

@@ -47,7 +47,8 @@ fn a_phantom_is_estimated_and_its_frames_say_the_same_from_anywhere() {
         assert!((0..i).all(|j| correlation(i, j) == correlation(j, i) && correlation(i, j).abs() <= 1.0), "{inferred}");
     }
     assert!(inferred["leds"].as_array().unwrap().iter().all(|led| led["off"].as_f64().unwrap().abs() < 0.15));
-    assert!(inferred["chance"].as_f64().unwrap() > 1e-4, "{inferred}");
+    let noise = inferred["noise"].as_f64().unwrap();
+    assert!(noise > 0.2 && noise < 5.0, "{inferred}");
     // Depths that the calibration does not know, and too few of them.
     let other = json(&of_images(&["--depths-mm", "1.5,2.5,5"]));
     assert!(other["inferred"]["undefined"].is_string(), "{other}");
@@ -191,6 +192,10 @@ fn a_study_tells_true_against_estimated() {
     of_paper("size", "exposures = 2", "study.exposures");
     of_paper("size", "empty = \"empty.toml\"", "study.empty");
     of_paper("girth", "", "study.paper.figure");
+    of_paper("stiffness", "calibration = \"c.toml\"\nexposure_ms = 0.1", "study.exposure_ms");
+    place.write("c.toml", "mm_per_pixel = 0.1\n");
+    of_paper("stiffness", "calibration = \"c.toml\"", "bottom_area_mm2");
+    of_paper("size", &format!("calibration = \"{CALIBRATION}\""), "is JSON");
 }
 
 /// The TSIS paper's figures, of two phantoms of two images each, and of pairs.
@@ -198,6 +203,9 @@ fn a_study_tells_true_against_estimated() {
 fn a_study_of_the_paper_reads_its_figures_from_images_as_they_are() {
     let place = Place::new();
     small_sweep(&place, "phantoms.toml", &[(SIZE, "[8.0, 12.0]"), ("phantom.material.youngs_kpa", "[5.0, 5.1]")]);
+    // An exposure at which the phantom itself stays dark.
+    let scene = std::fs::read_to_string(place.path().join("sensor.toml")).unwrap();
+    place.write("sensor.toml", &scene.replace("exposure_ms = 0.7 ", "exposure_ms = 0.006 "));
     place.write(
         "sensor-calibration.toml",
         "mm_per_pixel = 0.25\nbottom_area_mm2 = 900.0\nforce_n_from_sum_grey = [[0.0, 0.0], [1e6, 4.0]]\n",
@@ -206,7 +214,7 @@ fn a_study_of_the_paper_reads_its_figures_from_images_as_they_are() {
         place.write(
             &format!("{figure}.toml"),
             &format!(
-                "[study]\nphantoms = \"{}\"\ncalibration = \"sensor-calibration.toml\"\nexposure_ms = 0.006\n\
+                "[study]\nphantoms = \"{}\"\ncalibration = \"sensor-calibration.toml\"\n\
                  [study.paper]\nfigure = \"{figure}\"\n{more}\n",
                 if figure == "size" { "phantoms.toml" } else { "out/size/phantoms" }
             ),
@@ -217,7 +225,7 @@ fn a_study_of_the_paper_reads_its_figures_from_images_as_they_are() {
     };
     let table =
         |figure: &str| std::fs::read_to_string(place.path().join(format!("out/{figure}/readings.csv"))).unwrap();
-    let size = study("size", "published = [1.0, 2.0]");
+    let size = study("size", "published = [[12.0, 4.0], [8.0, 2.0]]");
     let phantoms = size["phantoms"].as_array().unwrap();
     let of = |key: &str| phantoms.iter().map(|one| one[key].clone()).collect::<Vec<_>>();
     assert_eq!((of("truth"), of("known")), (vec![8.0.into(), 12.0.into()], vec![2.into(), 2.into()]), "{size}");
@@ -228,9 +236,7 @@ fn a_study_of_the_paper_reads_its_figures_from_images_as_they_are() {
 
     // The same figure as `estimate` reads of the same image, exposed by the same camera.
     let first = shown(place.path().join("out/size/phantoms/train/0000000_2.exr"));
-    let camera = std::fs::read_to_string(place.path().join("sensor.toml")).unwrap();
-    place.write("camera.toml", &camera.replace("exposure_ms = 0.7 ", "exposure_ms = 0.006 "));
-    let flags = ["--exposure", "camera.toml", "--calibration", "sensor-calibration.toml", "--json"];
+    let flags = ["--exposure", "sensor.toml", "--calibration", "sensor-calibration.toml", "--json"];
     let output = tirtouch_in(place.path(), &[&["estimate", &first][..], &flags].concat());
     let read = json(&output)["images"][0]["paper"]["diameter_mm"]["value"].as_f64().unwrap();
     let ours: f64 = table("size").lines().nth(1).unwrap().split(',').nth(3).unwrap().parse().unwrap();
@@ -241,14 +247,17 @@ fn a_study_of_the_paper_reads_its_figures_from_images_as_they_are() {
     assert_eq!(depth["same_order"], serde_json::Value::Null);
     let stiffness = study("stiffness", "");
     assert_eq!(stiffness["phantoms"][0]["readings"], 4, "{stiffness}");
-    // E = P / T with P = F / C.
+    // E = P / T with P = F / C, at least where the larger inclusion is lit in both images.
+    let mut told = 0;
     for line in table("stiffness").lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
         let number = |k: usize| cells[k].parse::<f64>().ok();
         if let (Some(e), Some(f), Some(p), Some(t)) = (number(3), number(5), number(6), number(7)) {
             assert!((e * t / p - 1.0).abs() < 1e-9 && (1e3 * f / 900.0 / p - 1.0).abs() < 1e-9, "{line}");
+            told += 1;
         }
     }
+    assert!(told >= 2, "{stiffness}");
 }
 
 #[test]
