@@ -98,6 +98,9 @@ pub(super) fn fit<'a>(
     };
     let mut here = fit.start()?;
     let mut slopes = fit.descend(&mut here)?;
+    if question.by_force {
+        fit.hold_forces(&here, noise)?;
+    }
     let mut settled = false;
     for _ in 0..CORRECTIONS {
         fit.put_right(&mut here)?;
@@ -155,6 +158,19 @@ impl Fit<'_> {
             Ok(frames) => self.read(&frames, point),
             Err(why) => Ok(Err(why)),
         }
+    }
+
+    /// Lets the noise of the forces that are held count.
+    fn hold_forces(&mut self, here: &Place, noise: Noise) -> Result<(), TissueError> {
+        let harder = self.scanner.pressed_harder(STEP);
+        let scanned = harder.scan(&here.point, MeshOf::Coarse, &|| self.keeps_on())?;
+        let frames = scanned.map_err(TissueError::Unpressed)?;
+        self.scans.fetch_add(1, Ordering::Relaxed);
+        let pressed = self.seen.pick(&harder.features(&frames, &here.point)?);
+        let by_force = pressed.iter().zip(&here.features).map(|(more, less)| or_nothing((more - less) / STEP.ln_1p()));
+        let by_force: Vec<f64> = by_force.collect();
+        self.seen.hold_forces(self.measured, noise, &self.scanner.settings(), &by_force);
+        Ok(())
     }
 
     fn whitened(&self, values: &[f64]) -> Mat<f64> {

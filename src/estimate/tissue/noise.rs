@@ -5,6 +5,7 @@
 //! low and at high pressure tells a and b. Noise that neighbours share is not seen so; the fit's own residual is.
 
 use super::TissueError;
+use super::unknowns::force;
 use crate::camera::noise::PixelRandom;
 use crate::mechanics::frames::{Features, Frame, Frames, FramesError, Settings, of_frame};
 use faer::Mat;
@@ -129,8 +130,16 @@ impl Seen {
                 }
             }
         }
-        let covariance = covariance(frames, noise, settings, &used, STEP * highest);
+        let covariance = covariance(frames, noise, settings, &used, (STEP * highest, &[]));
         Ok(Self { used, values, covariance })
+    }
+
+    /// The same where frames are compared with those of the same forces: a force has the noise of its pressures, and
+    /// `by_force` are the derivatives of the compared features by its logarithm.
+    pub fn hold_forces(&mut self, frames: &Frames, noise: Noise, settings: &Settings, by_force: &[f64]) {
+        let highest =
+            frames.as_slice().iter().flat_map(|frame| &frame.pressure_kpa).fold(0.0, |most: f64, p| most.max(*p));
+        self.covariance = covariance(frames, noise, settings, &self.used, (STEP * highest, by_force));
     }
 
     /// Those features of other frames at the same positions; NaN where one is undefined.
@@ -141,8 +150,23 @@ impl Seen {
     }
 }
 
-/// J S J' with the derivatives J of the used features by all pressures and their variances S.
-fn covariance(frames: &Frames, noise: Noise, settings: &Settings, used: &[usize], step: f64) -> Mat<f64> {
+/// Derivative of the logarithm of a frame's force by one of its pressures, per kPa.
+fn part_of_force(frame: &Frame, place: usize) -> f64 {
+    let x = &frame.x_mm;
+    let width = |pair: Option<&[f64]>| pair.map_or(0.0, |pair| 0.5 * (pair[1] - pair[0]));
+    let before = place.checked_sub(1).and_then(|first| x.get(first..first + 2));
+    1e-3 * (width(before) + width(x.get(place..place + 2))) / force(frame)
+}
+
+/// J S J' with the variances S of all pressures and the derivatives J by them of what is compared: the used features,
+/// less what those of the same force change by the pressures' part in it, where forces are held.
+fn covariance(
+    frames: &Frames,
+    noise: Noise,
+    settings: &Settings,
+    used: &[usize],
+    (step, by_force): (f64, &[f64]),
+) -> Mat<f64> {
     let all = frames.as_slice();
     let far = all.iter().position(|frame| frame == frames.farthest()).unwrap_or(0);
     let places = all.first().map_or(0, |frame| frame.x_mm.len());
@@ -175,6 +199,15 @@ fn covariance(frames: &Frames, noise: Noise, settings: &Settings, used: &[usize]
                     {
                         slopes[(row, i)] = (up - down) / (2.0 * step) * variance.sqrt();
                     }
+                }
+            }
+        }
+        for own in row[KINDS * k..KINDS * (k + 1)].iter().copied().flatten() {
+            let Some(by_force) = by_force.get(own) else { continue };
+            for i in 0..places {
+                let pressure = frame.pressure_kpa[i];
+                if pressure > settings.contact_above_kpa {
+                    slopes[(own, i)] -= by_force * part_of_force(frame, i) * noise.variance(pressure).sqrt();
                 }
             }
         }

@@ -43,33 +43,60 @@ fn noise_of_frames_is_found_and_smooth_frames_have_little() {
     assert!((found.constant_kpa / 0.1 - 1.0).abs() < 0.25 && found.share < 0.012, "{found:?}");
 }
 
+/// Variances of features over many noisy frames, less what `by_force` says that those of the same force change, over
+/// the covariance's; by kinds.
+fn scatter(exact: &Frames, noise: Noise, seen: &Seen, by_force: &[f64]) -> [Vec<f64>; KINDS] {
+    const DRAWS: u32 = 600;
+    let mut sums = vec![[0.0; 2]; seen.used.len()];
+    for seed in 0..DRAWS {
+        let frames = noisy(exact, noise.share, seed).unwrap();
+        let all: Vec<_> =
+            frames.as_slice().iter().map(|f| numbers(&of_frame(f, frames.farthest(), &SETTINGS))).collect();
+        for (k, (sum, place)) in sums.iter_mut().zip(&seen.used).enumerate() {
+            let pressed = [&frames, exact].map(|frames| force(&frames.as_slice()[place / KINDS]).ln());
+            let of_force = by_force.get(k).map_or(0.0, |slope| slope * (pressed[0] - pressed[1]));
+            let off = all[place / KINDS][place % KINDS].unwrap() - seen.values[k] - of_force;
+            sum[0] += off;
+            sum[1] += off * off;
+        }
+    }
+    std::array::from_fn(|kind| {
+        let of_kind = (0..seen.used.len()).filter(|&k| seen.used[k] % KINDS == kind);
+        let variance = |k: usize| (sums[k][1] - sums[k][0].powi(2) / f64::from(DRAWS)) / f64::from(DRAWS);
+        of_kind.map(|k| variance(k) / seen.covariance[(k, k)]).collect()
+    })
+}
+
+fn mean(ratios: &[f64]) -> f64 {
+    ratios.iter().sum::<f64>() / ratios.len() as f64
+}
+
 /// The covariance that derivatives give is that of many noisy frames; half of it would be told from it.
 #[test]
 fn features_scatter_as_their_covariance_says() {
     let (exact, noise) = (made_up(), Noise { constant_kpa: 0.0, share: 0.01 });
     let seen = Seen::of(&exact, noise, &SETTINGS).unwrap();
-    const DRAWS: u32 = 600;
-    let mut sums = vec![[0.0; 2]; seen.used.len()];
-    for seed in 0..DRAWS {
-        let frames = noisy(&exact, noise.share, seed).unwrap();
-        let all: Vec<_> =
-            frames.as_slice().iter().map(|f| numbers(&of_frame(f, frames.farthest(), &SETTINGS))).collect();
-        for ((sum, place), value) in sums.iter_mut().zip(&seen.used).zip(&seen.values) {
-            let off = all[place / KINDS][place % KINDS].unwrap() - value;
-            sum[0] += off;
-            sum[1] += off * off;
-        }
-    }
-    for kind in 0..KINDS {
-        let of_kind = (0..seen.used.len()).filter(|&k| seen.used[k] % KINDS == kind);
-        let ratios: Vec<f64> = of_kind
-            .map(|k| (sums[k][1] - sums[k][0].powi(2) / f64::from(DRAWS)) / f64::from(DRAWS) / seen.covariance[(k, k)])
-            .collect();
-        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    for (kind, ratios) in scatter(&exact, noise, &seen, &[]).iter().enumerate() {
         // Each ratio is good to sqrt(2/600) = 6 %.
-        assert!(!ratios.is_empty() && (mean - 1.0).abs() < 0.1, "feature {kind}: {mean}");
+        assert!(!ratios.is_empty() && (mean(ratios) - 1.0).abs() < 0.1, "feature {kind}: {ratios:?}");
         assert!(ratios.iter().all(|ratio| (0.7..1.4).contains(ratio)), "feature {kind}: {ratios:?}");
     }
+}
+
+/// Where forces are held their noise counts, with the sign that it has: peaks and bases that rise with the force scatter
+/// less about those of the same force, widths that fall with it more.
+#[test]
+fn features_of_the_same_force_scatter_as_their_covariance_says() {
+    let (exact, noise) = (made_up(), Noise { constant_kpa: 0.0, share: 0.01 });
+    let mut seen = Seen::of(&exact, noise, &SETTINGS).unwrap();
+    let slope = |(place, value): (&usize, &f64)| value * [0.8, 1.5, -10.0, 0.0][place % KINDS];
+    let by_force: Vec<f64> = seen.used.iter().zip(&seen.values).map(slope).collect();
+    let without = scatter(&exact, noise, &seen, &by_force);
+    seen.hold_forces(&exact, noise, &SETTINGS, &by_force);
+    for (kind, ratios) in scatter(&exact, noise, &seen, &by_force).iter().enumerate() {
+        assert!((mean(ratios) - 1.0).abs() < 0.1, "feature {kind}: {ratios:?}");
+    }
+    assert!(mean(&without[2]) > 1.3 && mean(&without[0]) < 0.95, "{without:?}");
 }
 
 #[test]

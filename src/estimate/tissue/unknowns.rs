@@ -175,6 +175,11 @@ impl<'a> Scanner<'a> {
         }
     }
 
+    /// The same with all forces larger by a share.
+    pub fn pressed_harder(&self, share: f64) -> Self {
+        Self { forces: self.forces.iter().map(|force| force * (1.0 + share)).collect(), ..self.clone() }
+    }
+
     /// The same tissue with the modulus at which the scene's depth has the frames' forces, taken together; the reason
     /// where it cannot be pressed so deep.
     pub fn as_stiff(
