@@ -35,8 +35,7 @@ impl Study {
         let records = Records::join(&out, &json!({"kind": kind}), false, out.is_dir())?;
         let said = match &reader {
             Reader::Paper(paper, calibration) => self.of_paper(&name, &parts, (*paper, calibration.as_ref()), &out)?,
-            Reader::Own(model) => self.of_estimates(&name, &parts, model, &out)?,
-            Reader::Ready(model) => self.of_estimates(&name, &parts, model, &out)?,
+            Reader::Model(model) => self.of_estimates(&name, &parts, model, &out)?,
         };
         records.write(said.table.0, &said.table.1)?;
         records.write("report.html", &said.report.to_html())?;
@@ -116,9 +115,7 @@ enum Reader<'a> {
     /// A figure of the paper, and a calibration of the sensor.
     Paper(&'a Paper, Option<Calibration>),
     /// What was learnt of frames.
-    Own(Box<FrameModel>),
-    /// What comes with the program.
-    Ready(&'static FrameModel),
+    Model(Box<FrameModel>),
 }
 
 impl<'a> Reader<'a> {
@@ -137,9 +134,9 @@ impl<'a> Reader<'a> {
             };
         }
         match file {
-            Some(file) => Ok(Self::Own(Box::new(FrameModel::load(file)?))),
+            Some(file) => Ok(Self::Model(Box::new(FrameModel::load(file)?))),
             None => ready()
-                .map(Self::Ready)
+                .map(|model| Self::Model(Box::new(model.clone())))
                 .ok_or_else(|| Failure::failed("the calibration that comes with the program is damaged")),
         }
     }
