@@ -254,12 +254,12 @@ impl SparseLdl {
     pub fn solve_columns(&self, columns: &mut [f64]) -> Result<(), SparseError> {
         let n = self.columns.len() - 1;
         let count = columns.len() / n.max(1);
-        let need = self.symbolic.solve_in_place_scratch::<f64>(count, Par::rayon(0));
+        let need = self.symbolic.solve_in_place_scratch::<f64>(count, self.threads);
         let mut scratch = MemBuffer::try_new(need).map_err(|_| SparseError::TooLarge)?;
         LdltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(columns, n, count),
-            Par::rayon(0),
+            self.threads,
             MemStack::new(&mut scratch),
         );
         Ok(())
