@@ -20,6 +20,8 @@ pub struct Protocol {
     pub exposure_ms: Option<f64>,
     /// Frames at each load of the calibration.
     pub frames: Vec<u32>,
+    /// Relative standard deviation of the force of each load with a frame; none: forces are not measured.
+    pub force_error: Option<f64>,
 }
 
 /// An inclusion.
@@ -72,10 +74,11 @@ impl<'a> Limits<'a> {
     /// Bounds where frames told this much.
     fn where_told(&self, place: &[f64], inclusion: &Inclusion, told: &Told, whole: bool) -> Result<Bounds, String> {
         let mut covariance = told.covariance.clone();
-        for (k, variances) in self.variances.iter().enumerate().filter(|_| whole) {
+        let followed: Vec<&Variances> = told.places.iter().filter_map(|k| self.variances.get(*k)).collect();
+        for (k, variances) in followed.iter().enumerate().filter(|_| whole) {
             covariance[(k, k)] += variances.at(place);
         }
-        let slopes: Vec<Slopes> = self.variances.iter().map(|variances| variances.slopes(place)).collect();
+        let slopes: Vec<Slopes> = followed.iter().map(|variances| variances.slopes(place)).collect();
         let roles = &self.model.roles;
         let integrated: Vec<bool> = roles.iter().map(|role| *role == Role::Other).collect();
         let scored = &self.model.learnt.scored;
@@ -143,7 +146,8 @@ impl FrameModel {
             return Err("the camera's pixels do not fall into the calibration's blocks".into());
         }
         let pixels = blocks.pixels(protocol.camera.pixels);
-        let logs = self.learnt.vector(&self.learnt.scored.at(place));
+        let numbers = self.learnt.scored.at(place);
+        let logs = self.learnt.vector(&numbers);
         let taken = |load: usize| protocol.frames.get(load).copied().filter(|count| *count > 0);
         let lit = self.elements.iter().zip(&logs).filter(|([load, _], _)| taken(*load).is_some());
         let lit: Vec<(f64, &[usize])> =
@@ -164,8 +168,13 @@ impl FrameModel {
             values: read.iter().map(|read| read.map(|(log, _)| log)).collect(),
             variances: read.iter().map(|read| read.map_or(0.0, |(_, variance)| variance)).collect(),
         };
-        self.learnt
-            .told(&seen)
-            .ok_or_else(|| "too few parts of the frames can be read: they are saturated or dark".into())
+        let told = self.learnt.told(&seen);
+        let mut told = told.ok_or("too few parts of the frames can be read: they are saturated or dark")?;
+        let Some(error) = protocol.force_error else { return Ok(told) };
+        for load in (0..self.depths_mm.len()).filter(|load| taken(*load).is_some()) {
+            let (place, variance) = self.force(load, error)?;
+            told = told.and(place, numbers.get(place).copied().unwrap_or_default(), variance);
+        }
+        Ok(told)
     }
 }

@@ -36,7 +36,7 @@ pub struct Inferred {
     pub correlations: Vec<Vec<f64>>,
     /// Powers of the LEDs at the best place; how well they are known is not said.
     pub leds: Vec<LedPower>,
-    /// Scores of the frames.
+    /// Scores of the frames, and forces.
     pub scores: usize,
     /// Sum of their squared misfits at the best place, in units of their errors. With no fewer unknowns than scores it
     /// is near 0, whatever the frames; what tells a bad fit is `noise`.
@@ -123,7 +123,7 @@ impl FrameModel {
             unknowns: unknowns.iter().enumerate().map(of).collect(),
             correlations: correlations(&posterior.draws.iter().map(coordinates).collect::<Vec<_>>()),
             leds: self.learnt.nuisances.iter().zip(leds).map(led).collect(),
-            scores: self.scores(),
+            scores: told.scores.len(),
             misfit: posterior.misfit,
             noise: told.noise_factor.sqrt(),
             posterior,
@@ -154,24 +154,27 @@ impl FrameModel {
                 told.noise_factor.sqrt()
             ));
         }
+        let told = self.with_forces(told, frames)?;
         let posterior = self.learnt.scored.posterior(&told, SEED);
         let posterior = posterior.map_err(|_| "the calibration cannot be inverted")?;
         let nuisances = self.learnt.off(&seen, &posterior.scores).unwrap_or_default();
         let off = self.learnt.nuisances.iter().zip(&nuisances).find(|(_, off)| off.abs() > MOST_OFF);
         if let Some((nuisance, off)) = off {
             return Err(format!(
-                "the frames differ from what the calibration allows: {} would be {} % off; compare power, exposure, \
+                "the frames differ from what the calibration allows: {} would be {} % off; compare {}power, exposure, \
                  black level and bits",
                 nuisance.name,
-                short(100.0 * LED_SPREAD * off)
+                short(100.0 * LED_SPREAD * off),
+                if told.has_more { "forces, " } else { "" }
             ));
         }
         // As many degrees of freedom as scores: on the safe side, for the unknowns take some.
-        if chance(posterior.misfit, self.scores() as f64) < LEAST_CHANCE {
+        if chance(posterior.misfit, told.scores.len() as f64) < LEAST_CHANCE {
             return Err(format!(
-                "no phantom that the calibration knows gives these frames (sum of squares {} for {} scores)",
+                "no phantom that the calibration knows gives these {} (sum of squares {} for {} numbers)",
+                if told.scores.len() > self.scores() { "frames and forces" } else { "frames" },
                 short(posterior.misfit),
-                self.scores()
+                told.scores.len()
             ));
         }
         Ok((told, posterior, nuisances))
@@ -191,11 +194,22 @@ impl FrameModel {
         Estimates { size_mm: of(Role::Size), depth_mm: of(Role::Depth), youngs_kpa: of(Role::Youngs), detected }
     }
 
+    /// What frames tell, and the forces that were measured with them.
+    fn with_forces(&self, told: Told, frames: &Frames) -> Result<Told, String> {
+        let mut told = told;
+        for (load, depth_mm) in self.depths_mm.iter().enumerate() {
+            let Some(force_n) = frames.at(*depth_mm).and_then(|frame| frame.force_n) else { continue };
+            let (place, variance) = self.force(load, frames.force_error)?;
+            told = told.and(place, force_n.ln(), variance);
+        }
+        Ok(told)
+    }
+
     /// Frames as the calibration reads them.
     fn seen(&self, frames: &Frames) -> Result<Seen, String> {
         let blocks = Blocks { count: self.blocks };
         let loads = self.depths_mm.iter().map(|depth_mm| match frames.at(*depth_mm) {
-            Some(frame) => frames.blocks(frame, blocks).map(Some),
+            Some(frame) => frames.blocks(frame.image, blocks).map(Some),
             None => Ok(None),
         });
         let loads = loads.collect::<Result<Vec<_>, String>>()?;

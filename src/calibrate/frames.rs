@@ -16,15 +16,31 @@ pub struct Frames<'a> {
     pub camera: &'a Camera,
     /// Wavelength of the light, nm.
     pub wavelength_nm: f64,
-    /// Depth of the press, mm, and the raw frame, for each load.
-    pub frames: Vec<(f64, &'a GreyImage)>,
+    /// Each load.
+    pub frames: Vec<PressFrame<'a>>,
+    /// Relative standard deviation of the forces, where they were measured.
+    pub force_error: f64,
 }
+
+/// The frame of a load.
+#[derive(Debug, Clone, Copy)]
+pub struct PressFrame<'a> {
+    /// Depth of the press, mm.
+    pub depth_mm: f64,
+    /// The raw frame.
+    pub image: &'a GreyImage,
+    /// Force of the press, N, where it was measured.
+    pub force_n: Option<f64>,
+}
+
+/// Relative standard deviation of a force, where nothing is said of it.
+pub const FORCE_ERROR: f64 = 0.01;
 
 impl Frames<'_> {
     /// The frame of a load.
-    pub(super) fn at(&self, depth_mm: f64) -> Option<&GreyImage> {
-        let close = |(depth, _): &&(f64, &GreyImage)| (depth - depth_mm).abs() <= SAME_DEPTH * depth_mm;
-        self.frames.iter().find(close).map(|(_, frame)| *frame)
+    pub(super) fn at(&self, depth_mm: f64) -> Option<&PressFrame<'_>> {
+        let close = |frame: &&PressFrame| (frame.depth_mm - depth_mm).abs() <= SAME_DEPTH * depth_mm;
+        self.frames.iter().find(close)
     }
 
     /// The blocks of a frame; none where a pixel of the block is saturated, or the block too dark.

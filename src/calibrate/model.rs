@@ -92,7 +92,13 @@ impl FrameModel {
             learnt.nuisances = changes.ok_or_else(|| unsuited(leds, "does not light each LED alone"))?;
         }
         let beside = |empty: &Training| learnt.beside(empty.unknowns.clone(), &empty.points, &logs(empty));
-        let empty = empty.map(beside).transpose()?;
+        let mut without = empty.map(beside).transpose()?;
+        let all = |one: &Training| one.forces.iter().all(|forces| forces.len() == design.depths_mm.len());
+        if all(design) && empty.is_none_or(all) {
+            learnt.scored = learnt.scored.and(&design.points, &design.forces)?;
+            let also = without.zip(empty).map(|(without, empty)| without.and(&empty.points, &empty.forces));
+            without = also.transpose()?;
+        }
         let inclusion = design.sweep.base.scene.phantom.as_ref().and_then(|phantom| phantom.inclusion.first());
         let is_of_top = inclusion.is_some_and(|inclusion| inclusion.depth_to == DepthTo::Top);
         let key = |unknown: &Unknown| {
@@ -119,7 +125,7 @@ impl FrameModel {
             roles: own.iter().map(role).collect(),
             keys: own,
             learnt,
-            empty,
+            empty: without,
         })
     }
 
@@ -160,8 +166,11 @@ impl FrameModel {
         let wrong = |why: String| CalibrateError::File { file: file.to_path_buf(), why };
         let model: Self = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
         let n = model.elements.len();
+        let forces = if model.knows_forces() { model.depths_mm.len() } else { 0 };
+        let numbers = model.scores() + forces;
         let fits = model.learnt.is_whole(n)
-            && model.empty.as_ref().is_none_or(|empty| empty.is_whole(model.learnt.directions.len()));
+            && model.learnt.scored.is_whole(numbers)
+            && model.empty.as_ref().is_none_or(|empty| empty.is_whole(numbers));
         let blocks = Blocks { count: model.blocks };
         let inside =
             model.elements.iter().all(|[load, block]| *load < model.depths_mm.len() && *block < blocks.total());
@@ -181,6 +190,23 @@ impl FrameModel {
     /// Numbers by which frames are told apart.
     pub fn scores(&self) -> usize {
         self.learnt.directions.len()
+    }
+
+    /// Whether it knows how the force of each load follows the unknowns.
+    pub fn knows_forces(&self) -> bool {
+        self.learnt.scored.processes.len() > self.scores()
+    }
+
+    /// Among the numbers that follow the unknowns the logarithm of a load's force, with the variance of one that is
+    /// measured to a relative error: of the sensor, and of the mesh that it was learnt on.
+    ///
+    /// # Errors
+    /// Says that no forces were learnt.
+    pub(super) fn force(&self, load: usize, error: f64) -> Result<(usize, f64), String> {
+        let place = self.scores() + load;
+        let process = self.learnt.scored.processes.get(place);
+        let process = process.ok_or("the calibration knows no forces: learn it anew")?;
+        Ok((place, error.powi(2) + process.noise().powi(2)))
     }
 }
 

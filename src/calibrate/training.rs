@@ -31,6 +31,8 @@ pub struct Training {
     pub light: Vec<Vec<f64>>,
     /// Relative error of a pixel at each load, root mean square over points and pixels.
     pub errors: Vec<f64>,
+    /// Logarithms of the forces of each point, N: of every load that takes one.
+    pub forces: Vec<Vec<f64>>,
 }
 
 /// The sweep of a folder, one that keeps the radiance of all loads.
@@ -83,6 +85,10 @@ impl Training {
             drawn.iter().zip(values).map(|((_, unknown), value)| unknown.prior.coordinate(value)).collect()
         };
         let points = kept.iter().map(|(_, record)| coordinates(record)).collect();
+        let forces = |record: &Record| -> Vec<f64> {
+            record.images.iter().filter_map(Kept::force_n).filter(|force_n| *force_n > 0.0).map(f64::ln).collect()
+        };
+        let forces = kept.iter().map(|(_, record)| forces(record)).collect();
         let rows = kept.iter().map(|(row, _)| *row).collect();
         let unknowns = drawn.into_iter().map(|(_, unknown)| unknown).collect();
         let light = images.into_iter().map(|loads| loads.into_iter().flat_map(|(means, _)| means).collect()).collect();
@@ -96,6 +102,7 @@ impl Training {
             blocks,
             light,
             errors,
+            forces,
             sweep,
         })
     }

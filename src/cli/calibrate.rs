@@ -37,6 +37,9 @@ pub(super) struct Calibrate {
     /// Bits of a grey level [default: the scene's].
     #[arg(long, value_name = "BITS", requires = "bound", value_parser = clap::value_parser!(u32).range(8..=16), allow_negative_numbers = true)]
     bits: Option<u32>,
+    /// The force of each load is measured too, with this relative standard deviation [default: it is not].
+    #[arg(long, value_name = "SHARE", requires = "bound", value_parser = positive, allow_negative_numbers = true)]
+    force_error: Option<f64>,
     #[command(flatten)]
     how: How,
 }
@@ -99,7 +102,8 @@ impl Calibrate {
         }
         let (mut camera, wavelength_nm) = model.own_camera()?;
         camera.sensor.bit_depth = self.bits.unwrap_or(camera.sensor.bit_depth);
-        let protocol = Protocol { camera, wavelength_nm, exposure_ms: self.exposure_ms, frames };
+        let protocol =
+            Protocol { camera, wavelength_nm, exposure_ms: self.exposure_ms, frames, force_error: self.force_error };
         let limits = Limits::of(&model)?;
         let row = |inclusion: Inclusion| {
             cancel::check()?;

@@ -1,8 +1,9 @@
 //! `estimate`: the paper's figures of images from anywhere.
 
+use super::flags::positive;
 use super::measure::{Reading, grey_image, less};
 use super::{Failure, Outcome, Talk, note, print};
-use crate::calibrate::{FrameModel, Frames, Inferred};
+use crate::calibrate::{FORCE_ERROR, FrameModel, Frames, Inferred, PressFrame};
 use crate::camera::expose;
 use crate::estimate::{Calibration, Estimates, GreyImage, Settings, Threshold, estimate, scattered};
 use crate::image_io::read_radiance;
@@ -38,6 +39,12 @@ pub(super) struct Estimate {
     /// depth and modulus of the inclusion.
     #[arg(long, value_name = "MM,..", value_delimiter = ',', allow_negative_numbers = true)]
     depths_mm: Vec<f64>,
+    /// Force of the press of each image, N, where it was measured: tells more of what is unknown.
+    #[arg(long, value_name = "N,..", value_delimiter = ',', requires = "depths_mm", value_parser = positive, allow_negative_numbers = true)]
+    forces_n: Vec<f64>,
+    /// Relative standard deviation of the forces [default: 0.01].
+    #[arg(long, value_name = "SHARE", requires = "forces_n", value_parser = positive, allow_negative_numbers = true)]
+    force_error: Option<f64>,
     #[command(flatten)]
     talk: Talk,
 }
@@ -113,6 +120,10 @@ impl Estimate {
         if let Some(twice) = self.depths_mm.iter().enumerate().find(|(k, depth)| self.depths_mm[..*k].contains(depth)) {
             return Err(Failure::usage(format!("`--depths-mm` gives {} twice", twice.1)));
         }
+        if !self.forces_n.is_empty() && self.forces_n.len() != self.images.len() {
+            let (forces, images) = (self.forces_n.len(), self.images.len());
+            return Err(Failure::usage(format!("`--forces-n` gives {forces} forces for {images} images")));
+        }
         if let Some(Err(why)) = exposure.map(|loaded| model.suits(loaded)) {
             return nothing(format!("the calibration does not suit: {why}"));
         }
@@ -127,8 +138,13 @@ impl Estimate {
             let [width, height] = size;
             return nothing(format!("{width} x {height} pixels do not fill the calibration's sensor"));
         };
-        let frames = self.depths_mm.iter().copied().zip(&frames).collect();
-        Ok(model.inverted(&Frames { camera: &camera, wavelength_nm, frames }))
+        let frame = |(k, image)| {
+            let depth_mm = self.depths_mm.get(k).copied()?;
+            Some(PressFrame { depth_mm, image, force_n: self.forces_n.get(k).copied() })
+        };
+        let frames = frames.iter().enumerate().filter_map(frame).collect();
+        let force_error = self.force_error.unwrap_or(FORCE_ERROR);
+        Ok(model.inverted(&Frames { camera: &camera, wavelength_nm, frames, force_error }))
     }
 
     /// The threshold in grey levels of an image.

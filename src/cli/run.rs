@@ -4,7 +4,7 @@ use super::command::{self, command_line, command_of_light};
 use super::job::{Job, note_exposure};
 use super::measure::SceneReading;
 use super::{Common, Failure, Outcome, print};
-use crate::calibrate::{FrameModel, Frames, ready};
+use crate::calibrate::{FORCE_ERROR, FrameModel, Frames, PressFrame, ready};
 use crate::estimate::{Estimates, GreyImage};
 use crate::mechanics::press::Load;
 use crate::output::OutputFolder;
@@ -112,8 +112,11 @@ fn estimates(given: Option<&FrameModel>, job: &Job, frames: &[(f64, GreyImage)])
         Err(why) => Estimates::undefined(&format!("no calibrated model: {which}: {why}")),
         Ok(()) => {
             let scene = &job.loaded.scene;
-            let frames = frames.iter().map(|(depth_mm, frame)| (*depth_mm, frame)).collect();
-            model.estimates(&Frames { camera: &scene.camera, wavelength_nm: scene.light.wavelength_nm, frames })
+            let (camera, wavelength_nm) = (&scene.camera, scene.light.wavelength_nm);
+            let frames = frames.iter();
+            let frames =
+                frames.map(|(depth_mm, image)| PressFrame { depth_mm: *depth_mm, image, force_n: None }).collect();
+            model.estimates(&Frames { camera, wavelength_nm, frames, force_error: FORCE_ERROR })
         }
     }
 }

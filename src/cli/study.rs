@@ -51,8 +51,10 @@ impl Study {
     /// True against estimated.
     fn of_estimates(&self, name: &str, parts: &Parts, model: &FrameModel, out: &Path) -> Result<Said, Failure> {
         let (phantoms, empty) = self.folders(parts, out)?;
-        let (exposures, exposure_ms) = (parts.exposures.unwrap_or(2), parts.exposure_ms);
-        let of = |folder: &Path, empty| self.trials(model, folder, Tried { empty, exposures, exposure_ms });
+        let (exposures, exposure_ms, force_error) =
+            (parts.exposures.unwrap_or(2), parts.exposure_ms, parts.force_error);
+        let tried = |empty| Tried { empty, exposures, exposure_ms, force_error };
+        let of = |folder: &Path, empty| self.trials(model, folder, tried(empty));
         let phantoms = of(&phantoms, false)?;
         let empty = empty.as_deref().map_or(Ok(Vec::new()), |folder| of(folder, true))?;
         let summary = Summary::of(&phantoms, &empty)?;

@@ -18,14 +18,14 @@ const LEAST_TOLD: f64 = 0.6;
 /// Components of the noise.
 const NOISE_COMPONENTS: usize = 30;
 
-/// How scores follow unknowns.
+/// How numbers follow unknowns: the scores of frames, and what is measured beside them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scored {
     /// The unknowns.
     pub unknowns: Vec<Unknown>,
-    /// Each score.
+    /// Each number, scores first.
     pub processes: Vec<GaussianProcess>,
-    /// Mean variance of each predicted score.
+    /// Mean variance of each when it is predicted.
     pub variances: Vec<f64>,
 }
 
@@ -173,20 +173,33 @@ impl Learnt {
             && self.weights.iter().all(|weight| *weight > 0.0)
             && self.rest >= 0.0
             && !self.directions.is_empty()
-            && self.scored.is_whole(self.directions.len())
     }
 }
 
 impl Scored {
-    /// Scores at a place.
+    /// Numbers beside the scores follow the unknowns too: of each point as many.
+    ///
+    /// # Errors
+    /// As [`Learnt::from`].
+    pub fn and(mut self, points: &[Vec<f64>], numbers: &[Vec<f64>]) -> Result<Self, FitError> {
+        for k in 0..numbers.first().map_or(0, Vec::len) {
+            let values: Vec<f64> = numbers.iter().filter_map(|of_point| of_point.get(k).copied()).collect();
+            let process = GaussianProcess::fit(points, &values)?;
+            self.variances.push(of_prediction(&process, &process.left_out(&values)?));
+            self.processes.push(process);
+        }
+        Ok(self)
+    }
+
+    /// Scores at a place, and the numbers beside them.
     pub fn at(&self, place: &[f64]) -> Vec<f64> {
         self.processes.iter().map(|process| process.value(place)).collect()
     }
 
-    /// Whether it has so many scores, all of its unknowns.
-    pub fn is_whole(&self, scores: usize) -> bool {
+    /// Whether it has so many numbers, all of its unknowns.
+    pub fn is_whole(&self, numbers: usize) -> bool {
         let is_whole = |process: &GaussianProcess| process.is_whole(self.unknowns.len());
-        [self.processes.len(), self.variances.len()] == [scores; 2]
+        [self.processes.len(), self.variances.len()] == [numbers; 2]
             && self.processes.iter().all(is_whole)
             && self.variances.iter().all(|variance| *variance >= 0.0)
             && self.unknowns.iter().all(|unknown| unknown.prior.is_whole())

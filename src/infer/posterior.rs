@@ -12,7 +12,7 @@ use super::ensemble::Ensemble;
 use super::learnt::Scored;
 use super::seen::Told;
 use crate::camera::noise::PixelRandom;
-use crate::emulate::FitError;
+use crate::emulate::{FitError, GaussianProcess};
 use faer::linalg::solvers::{DenseSolveCore as _, Llt};
 use faer::{Mat, Side};
 
@@ -25,8 +25,10 @@ const KEPT: usize = 250;
 const EACH: usize = 5;
 /// Degrees of freedom of the scores' tails.
 pub const TAILS: f64 = 6.0;
-/// What the covariance is widened by.
+/// What the covariance is widened by, and where numbers beside the scores leave less open: what the scores' errors have
+/// in common then shows.
 const WIDENED: f64 = 1.8;
+const WIDENED_BESIDE: f64 = 2.5;
 
 /// What is known of the unknowns after frames were seen.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +37,7 @@ pub struct Posterior {
     pub draws: Vec<Vec<f64>>,
     /// Sum of squares of the scores at the best place, in units of their errors.
     pub misfit: f64,
-    /// The scores there.
+    /// The scores there, and the numbers beside them.
     pub scores: Vec<f64>,
 }
 
@@ -50,7 +52,9 @@ impl Scored {
             let along = |[low, high]: [f64; 2], u: f64| low + (high - low) * u;
             self.unknowns.iter().map(|unknown| along(unknown.prior.bounds(), random.uniform())).collect()
         };
-        let rough = self.density(told, &self.variances)?;
+        let follows = |k: &usize| Some((self.processes.get(*k)?, *self.variances.get(*k)?));
+        let (followed, variances): (Vec<_>, Vec<_>) = told.places.iter().filter_map(follows).unzip();
+        let rough = self.density(told, &followed, &variances)?;
         let mut places: Vec<(f64, Vec<f64>)> =
             (0..DRAWS).map(|_| drawn(&mut random)).map(|place| (rough(&place), place)).collect();
         places.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -67,9 +71,9 @@ impl Scored {
         };
         // The variance of the prediction is that at the best place.
         let at = best(&ensemble);
-        let variances = self.processes.iter().map(|process| Ok(process.variances()?.at(&at)));
+        let variances = followed.iter().map(|process| Ok(process.variances()?.at(&at)));
         let variances = variances.collect::<Result<Vec<f64>, FitError>>()?;
-        let density = self.density(told, &variances)?;
+        let density = self.density(told, &followed, &variances)?;
         let places = ensemble.walkers.into_iter().map(|(place, _)| place).collect();
         let mut ensemble = Ensemble::new(places, seed ^ 0xa5a5, &density);
         let mut draws = Vec::new();
@@ -86,7 +90,7 @@ impl Scored {
             }
         }
         // The sum of squares whose tail has this density.
-        let tails = TAILS + self.processes.len() as f64;
+        let tails = TAILS + told.scores.len() as f64;
         let misfit = TAILS * (-2.0 * top.0 / tails).exp_m1();
         Ok(Posterior { draws, misfit, scores: self.at(&top.1) })
     }
@@ -96,17 +100,27 @@ impl Scored {
         self.unknowns.iter().zip(place).map(|(unknown, x)| unknown.prior.value(*x)).collect()
     }
 
-    /// Logarithm of the density of a place, where predicted scores have these variances.
-    fn density<'a>(&'a self, told: &'a Told, variances: &[f64]) -> Result<impl Fn(&[f64]) -> f64 + 'a, FitError> {
+    /// Logarithm of the density of a place, where what was told is predicted with these variances.
+    fn density<'a>(
+        &'a self,
+        told: &'a Told,
+        followed: &'a [&GaussianProcess],
+        variances: &[f64],
+    ) -> Result<impl Fn(&[f64]) -> f64 + 'a, FitError> {
         let k = told.scores.len();
+        if followed.len() != k {
+            return Err(FitError::Degenerate);
+        }
+        let widened = if told.has_more { WIDENED_BESIDE } else { WIDENED };
         let whole =
-            Mat::from_fn(k, k, |i, j| WIDENED * (told.covariance[(i, j)] + if i == j { variances[i] } else { 0.0 }));
+            Mat::from_fn(k, k, |i, j| widened * (told.covariance[(i, j)] + if i == j { variances[i] } else { 0.0 }));
         let inverse = Llt::new(whole.as_ref(), Side::Lower).map_err(|_| FitError::Degenerate)?.inverse();
         Ok(move |place: &[f64]| {
             if self.unknowns.iter().zip(place).any(|(one, x)| !one.prior.holds(*x)) {
                 return f64::NEG_INFINITY;
             }
-            let off: Vec<f64> = told.scores.iter().zip(self.at(place)).map(|(told, s)| told - s).collect();
+            let off = told.scores.iter().zip(followed).map(|(told, process)| told - process.value(place));
+            let off: Vec<f64> = off.collect();
             let mut square = 0.0;
             for i in 0..k {
                 for j in 0..k {

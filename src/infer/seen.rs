@@ -25,15 +25,34 @@ pub struct Seen {
     pub variances: Vec<f64>,
 }
 
-/// What they say of the scores.
+/// What they say of the scores, and what else was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Told {
-    /// The scores.
+    /// Which of the numbers that follow the unknowns these are.
+    pub places: Vec<usize>,
+    /// The scores, and numbers beside them.
     pub scores: Vec<f64>,
     /// Their covariance.
     pub covariance: Mat<f64>,
+    /// Whether there are numbers beside the scores.
+    pub has_more: bool,
     /// Variance of the light's noise over that of the training images.
     pub noise_factor: f64,
+}
+
+impl Told {
+    /// A number beside the scores, which nothing else that was measured shares an error with.
+    #[must_use]
+    pub fn and(mut self, place: usize, value: f64, variance: f64) -> Self {
+        let k = self.scores.len();
+        let own = |i: usize, j: usize| if i == j { variance } else { 0.0 };
+        self.covariance =
+            Mat::from_fn(k + 1, k + 1, |i, j| if i.max(j) < k { self.covariance[(i, j)] } else { own(i, j) });
+        self.places.push(place);
+        self.scores.push(value);
+        self.has_more = true;
+        self
+    }
 }
 
 impl Learnt {
@@ -74,7 +93,8 @@ impl Learnt {
             Mat::from_fn(directions.ncols(), n, |j, k| fit[(j, k)] * (camera[k] + noise_factor * self.rest).sqrt());
         let covariance = &own * own.transpose() + through(&noise) * faer::Scale(noise_factor) + through(&nuisances);
         let scores = &fit * &values;
-        Some(Told { scores: (0..scores.nrows()).map(|k| scores[(k, 0)]).collect(), covariance, noise_factor })
+        let scores: Vec<f64> = (0..scores.nrows()).map(|k| scores[(k, 0)]).collect();
+        Some(Told { places: (0..scores.len()).collect(), scores, covariance, has_more: false, noise_factor })
     }
 
     /// How far each nuisance is off, in its standard deviations, where the scores are these.

@@ -59,6 +59,50 @@ fn learnt(shift: f64) -> Learnt {
     Learnt::from(unknowns(), &told, &vectors, vec![100.0; LENGTH]).unwrap()
 }
 
+/// What follows the unknowns beside the frames.
+fn number(place: &[f64]) -> f64 {
+    place[0] + 0.1 * place[1]
+}
+
+/// A number beside the frames makes intervals shorter, and they still hold; one that is wrong shows in the misfit.
+#[test]
+fn a_number_beside_the_frames_tells_more_and_a_wrong_one_shows() {
+    const ERROR: f64 = 0.01;
+    let mut learnt = learnt(0.0);
+    let mut random = PixelRandom::new(17, 0);
+    let points: Vec<Vec<f64>> = (0..150).map(|_| drawn(&mut random)).collect();
+    let numbers: Vec<Vec<f64>> = points.iter().map(|place| vec![number(place)]).collect();
+    let scores = learnt.scored.processes.len();
+    learnt.scored = learnt.scored.clone().and(&points, &numbers).unwrap();
+    assert!(learnt.scored.is_whole(scores + 1) && !learnt.scored.is_whole(scores));
+    let case = |case: u32| {
+        let mut random = PixelRandom::new(19, case);
+        let place = drawn(&mut random);
+        let values = noisy(light(&place), 0.03, 0.002, &mut random).into_iter().map(Some).collect();
+        let told = learnt.told(&Seen { values, variances: vec![0.002f64.powi(2); LENGTH] }).unwrap();
+        let measured = number(&place) + ERROR * random.normal();
+        let with = |off: f64| told.clone().and(scores, measured + off, ERROR.powi(2));
+        let posterior = |told: &Told| learnt.scored.posterior(told, case).unwrap();
+        let [alone, both, wrong] = [told.clone(), with(0.0), with(0.5)].map(|told| posterior(&told));
+        let ends = |of: &Posterior, k: usize| {
+            [0.025, 0.975].map(|share| unknowns()[k].prior.coordinate(of.quantile(k, share)))
+        };
+        let held = (0..3).filter(|&k| (ends(&both, k)[0]..=ends(&both, k)[1]).contains(&place[k])).count();
+        let width = |of: &Posterior| ends(of, 0)[1] - ends(of, 0)[0];
+        (held, width(&both) / width(&alone), wrong.misfit / both.misfit.max(1.0))
+    };
+    let all: Vec<(usize, f64, f64)> = (0..CASES).into_par_iter().map(case).collect();
+    let held: usize = all.iter().map(|one| one.0).sum();
+    let middle = |of: &dyn Fn(&(usize, f64, f64)) -> f64| {
+        let mut values: Vec<f64> = all.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    let (shorter, worse) = (middle(&|one| one.1), middle(&|one| one.2));
+    // 95 of 100 expected; four standard deviations of 120 are 10.
+    assert!(held >= 104 && shorter < 0.8 && worse > 2.0, "{held} of 120, {shorter}, {worse}");
+}
+
 /// How many intervals, with their half widths times `stretch`, hold the truth of each unknown; and the noise's factor.
 fn held(learnt: &Learnt, shared: f64, stretch: f64) -> ([u32; 3], f64) {
     let case = |case: u32| {

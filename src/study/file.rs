@@ -34,6 +34,9 @@ pub struct Parts {
     /// How often each phantom's frames are exposed, every time with noise of their own: what two or more tell of
     /// repeats. Default: 2. A study of the paper exposes each once: what repeats there are points of its sweep.
     pub exposures: Option<u32>,
+    /// Relative standard deviation of the force of each load, which is told beside its frame, with an error drawn anew
+    /// for each exposure. Absent: forces are not told.
+    pub force_error: Option<f64>,
     /// The images are read by a figure of the TSIS paper, and by no model of the frames.
     pub paper: Option<Paper>,
 }
@@ -56,7 +59,16 @@ impl StudyFile {
             if !file.study.exposure_ms.is_none_or(|time| time > 0.0 && time.is_finite()) {
                 return Err(Invalid::new("study.exposure_ms", "must be above 0"));
             }
+            if !file.study.force_error.is_none_or(|error| error > 0.0 && error < 1.0) {
+                return Err(Invalid::new("study.force_error", "must be above 0 and below 1"));
+            }
             let Some(paper) = &file.study.paper else { return Ok(()) };
+            if file.study.force_error.is_some() {
+                return Err(Invalid::new(
+                    "study.force_error",
+                    "has no meaning with study.paper: it reads images alone",
+                ));
+            }
             if !(paper.threshold_grey >= 0.0 && paper.threshold_grey.is_finite()) {
                 return Err(Invalid::new("study.paper.threshold_grey", "must be 0 or more"));
             }

@@ -2,9 +2,11 @@
 
 use super::StudyError;
 use crate::calibrate::{
-    CalibrateError, FrameModel, Frames, Inclusion, Inferred, InferredUnknown, SAME_DEPTH, sweep_of,
+    CalibrateError, FORCE_ERROR, FrameModel, Frames, Inclusion, Inferred, InferredUnknown, PressFrame, SAME_DEPTH,
+    sweep_of,
 };
 use crate::camera::expose;
+use crate::camera::noise::PixelRandom;
 use crate::estimate::{Estimates, GreyImage, Value};
 use crate::film::Film;
 use crate::image_io::read_radiance;
@@ -61,6 +63,8 @@ pub struct How {
     pub exposures: u32,
     /// Their time, ms; none: the scene's.
     pub exposure_ms: Option<f64>,
+    /// Relative error of the forces, told beside the frames; none: they are not.
+    pub force_error: Option<f64>,
 }
 
 /// Trials of all phantoms of a sweep's folder. `observe` is told how many phantoms are done, of how many, and stops the
@@ -150,8 +154,14 @@ impl Phantoms<'_> {
         let exposure = |exposure: u32| {
             let frame = |film: &Film| exposed(film, &camera, wavelength_nm, exposure);
             let frames = films.iter().map(frame).collect::<Result<Vec<_>, _>>()?;
-            let frames = self.model.depths_mm.iter().copied().zip(&frames).collect();
-            let (estimates, inferred) = self.model.inverted(&Frames { camera: &camera, wavelength_nm, frames });
+            let frame = |(load, image)| {
+                let depth_mm = self.model.depths_mm.get(load).copied()?;
+                Some(PressFrame { depth_mm, image, force_n: self.force_n(record, load, exposure) })
+            };
+            let frames = frames.iter().enumerate().filter_map(frame).collect();
+            let force_error = self.how.force_error.unwrap_or(FORCE_ERROR);
+            let (estimates, inferred) =
+                self.model.inverted(&Frames { camera: &camera, wavelength_nm, frames, force_error });
             let rank = |k: usize| {
                 let share = inferred.as_ref().ok()?.posterior.below(self.model.unknown(k)?, figures[k]?)?;
                 Some(((share * (RANKED + 1) as f64) as usize).min(RANKED))
@@ -168,6 +178,14 @@ impl Phantoms<'_> {
             })
         };
         (0..self.how.exposures).map(exposure).collect()
+    }
+
+    /// The force of a load, N, as it is measured with an exposure; none where forces are not told.
+    fn force_n(&self, record: &Record, load: usize, exposure: u32) -> Option<f64> {
+        let kept = record.images.get(load)?;
+        // Of the image's own stream, and apart from the noise of its pixels.
+        let error = PixelRandom::new(kept.streams[1] ^ exposure, u32::MAX).normal();
+        Some(kept.force_n()? * (self.how.force_error? * error).exp())
     }
 
     /// What is inferred of variables that the sweep draws under the calibration's names and keys.

@@ -67,6 +67,13 @@ pub struct Kept {
     pub streams: [u32; 2],
 }
 
+impl Kept {
+    /// Force of its load, N; none where nothing is pressed.
+    pub fn force_n(&self) -> Option<f64> {
+        self.load.map(|(_, _, force_n)| force_n)
+    }
+}
+
 /// Apart from all else that a seed is used for.
 const SPLIT: u32 = 0x7e57_5917;
 

@@ -49,6 +49,26 @@ fn a_phantom_is_estimated_and_its_frames_say_the_same_from_anywhere() {
     assert!(inferred["leds"].as_array().unwrap().iter().all(|led| led["off"].as_f64().unwrap().abs() < 0.04));
     let noise = inferred["noise"].as_f64().unwrap();
     assert!(noise > 0.3 && noise < 3.0, "{inferred}");
+    // Forces of the same presses, as far off as they may be, agree and tell more of the tissue; twice as large ones are
+    // those of no phantom.
+    let forces = |times: f64| {
+        let of = |step: &serde_json::Value| (times * step["force_n"].as_f64().unwrap()).to_string();
+        said["mechanics"]["steps"].as_array().unwrap().iter().map(of).collect::<Vec<_>>().join(",")
+    };
+    let with_forces = |times: f64| of_images(&["--depths-mm", "1,2,4", "--forces-n", &forces(times)]);
+    let width = |inferred: &serde_json::Value| {
+        let one = inferred["unknowns"].as_array().unwrap().iter().find(|one| one["name"] == "phantom").unwrap();
+        let [low, high] = ["low", "high"].map(|end| one["value"][end].as_f64().unwrap());
+        assert!(low < 5.0 && 5.0 < high, "{inferred}");
+        high - low
+    };
+    let more = json(&with_forces(1.01));
+    let at = |end: &str| more["estimates"]["size_mm"][end].as_f64().unwrap();
+    assert!(at("low") <= 8.0 && 8.0 <= at("high"), "{more}");
+    assert!(width(&more["inferred"]) < 0.8 * width(inferred), "{more}");
+    let wrong = json(&with_forces(2.0));
+    assert!(wrong["inferred"]["undefined"].as_str().unwrap().contains("forces"), "{wrong}");
+    assert_eq!(code(&of_images(&["--depths-mm", "1,2,4", "--forces-n", "1,2"])), 2);
     // Depths that the calibration does not know, and too few of them.
     let other = json(&of_images(&["--depths-mm", "1.5,2.5,5"]));
     assert!(other["inferred"]["undefined"].is_string(), "{other}");
