@@ -1,4 +1,4 @@
-//! A figure, or the reason why there is none.
+//! A figure, or the reason why there is none; how one is written.
 
 use serde::Serialize;
 use std::borrow::Cow;
@@ -54,6 +54,22 @@ impl Figure {
     }
 }
 
+/// Three significant digits, in powers of ten where that is shorter.
+pub fn three_digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e6).contains(&value.abs()) {
+        return format!("{value:.2e}");
+    }
+    let decimals = (2.0 - value.abs().log10().floor()).max(0.0) as usize;
+    let text = format!("{value:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -66,5 +82,14 @@ mod tests {
         assert_eq!(none, r#"{"undefined":"no contact"}"#);
         assert_eq!(Figure::known(f64::NAN).reason(), Some("the arithmetic overflows"));
         assert_eq!(Figure::of(Some([1, 2]), "none"), Figure::Known([1, 2]));
+    }
+
+    #[test]
+    fn figures_have_three_digits() {
+        for (value, text) in
+            [(0.0, "0"), (1.0, "1"), (0.012_345, "0.0123"), (12.34, "12.3"), (123_456.0, "123456"), (-3e-9, "-3.00e-9")]
+        {
+            assert_eq!(three_digits(value), text);
+        }
     }
 }

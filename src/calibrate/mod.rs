@@ -23,7 +23,7 @@ pub use file::{CalibrationFile, Parts};
 pub(crate) use frames::SAME_DEPTH;
 pub use frames::{FORCE_ERROR, Frames, PressFrame};
 pub use model::FrameModel;
-pub use ready::ready;
+pub use ready::{estimates_of, ready};
 pub use training::Training;
 pub(crate) use training::sweep_of;
 

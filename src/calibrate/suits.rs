@@ -3,8 +3,9 @@
 use super::FrameModel;
 use super::estimates::short;
 use super::model::Role;
-use crate::scene::LoadedScene;
+use crate::scene::{LoadedScene, Scene, parse};
 use crate::vary::{KeyPath, Scalar};
+use std::path::Path;
 
 impl FrameModel {
     /// Whether frames of a scene are those of this sensor, with phantoms of this kind.
@@ -12,7 +13,8 @@ impl FrameModel {
     /// # Errors
     /// Says what differs.
     pub fn suits(&self, loaded: &LoadedScene) -> Result<(), String> {
-        let (ours, theirs) = (self.bare(&self.scene)?, self.bare(&loaded.text)?);
+        let own = parse(&self.scene, Path::new("calibration")).map_err(|error| error.to_string())?;
+        let (ours, theirs) = (self.bare(&own.scene)?, self.bare(&loaded.scene)?);
         if let Some(key) = difference(&ours, &theirs, "") {
             return Err(format!("it was learnt of a scene with another {key}"));
         }
@@ -30,8 +32,10 @@ impl FrameModel {
         outside.next().map_or(Ok(()), Err)
     }
 
-    /// A scene's text without what may differ.
-    fn bare(&self, text: &str) -> Result<toml::Value, String> {
+    /// A scene without what may differ, as it would be written with all its keys: those that a text leaves to their
+    /// defaults count too.
+    fn bare(&self, scene: &Scene) -> Result<toml::Value, String> {
+        let text = toml::to_string(scene).map_err(|error| error.to_string())?;
         let document = text.parse::<toml_edit::DocumentMut>();
         let mut document = document.map_err(|error| error.to_string())?;
         for key in self.keys.iter().flatten() {

@@ -40,9 +40,8 @@ pub(super) fn run(file: &Path, common: Common) -> Result<Outcome, Failure> {
     let share = |k: u32| deepest * f64::from(k) / f64::from(PRESSES);
     (press.depths_mm, press.estimate_error) = (Some((1..=PRESSES).map(share).collect()), false);
     let scene = &loaded.scene;
-    let view = view_of(scene)
-        .map_err(crate::pipeline::PipelineError::from)
-        .map_err(|error| super::job::failure(error, file))?;
+    let view =
+        view_of(scene).map_err(crate::pipeline::PipelineError::from).map_err(|error| Failure::of_scene(error, file))?;
     let Some(scale) = scale(&view, scene.camera.pixels) else {
         return refuse("the camera sees no target on the touched face", "camera");
     };

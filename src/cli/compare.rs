@@ -62,7 +62,7 @@ impl Compare {
                         "both images have the same random numbers (scene, seed and integrator): equal noise hides differences",
                     );
                 }
-                (comparison.passed, comparison::json(&comparison), comparison::table(&comparison))
+                (comparison.passed, json!(comparison), comparison::table(&comparison))
             }
         };
         found["a"] = json!(self.a.display().to_string());

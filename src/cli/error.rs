@@ -1,5 +1,6 @@
 //! How a command ends.
 
+use super::pressing::PressFailure;
 use crate::camera::ProjectionError;
 use crate::camera::exposure::ExposureError;
 use crate::converge::light::LightError;
@@ -11,6 +12,7 @@ use crate::mechanics::frames::scan::ScanError;
 use crate::mechanics::press::PressError;
 use crate::output::{OutputError, Remedy};
 use crate::pages::PageError;
+use crate::pipeline::PipelineError;
 use crate::report::{PictureError, VtuError};
 use crate::scene::{DataFileError, SceneError};
 use crate::stability::StabilityError;
@@ -31,10 +33,14 @@ pub enum Outcome {
 
 /// Who is to blame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+pub enum Kind {
+    /// Wrong use of the command line.
     Usage,
+    /// Bad input.
     Input,
+    /// Nobody who asked for it.
     Failed,
+    /// Who stopped it.
     Cancelled,
 }
 
@@ -99,6 +105,37 @@ impl Failure {
     #[must_use]
     pub fn at_key(self, key: impl Into<String>) -> Self {
         Self { key: Some(key.into()), ..self }
+    }
+
+    /// What the pipeline says of a scene, with the scene's file where that is to blame.
+    #[must_use]
+    pub fn of_scene(error: PipelineError, file: &Path) -> Self {
+        let words = format!("{}: {error}", file.display());
+        match error {
+            PipelineError::Press(error) => PressFailure::of(error, file).failure,
+            // A shape that does not fit its stack is a mistake of the scene file.
+            PipelineError::Surface(SurfaceError::Shape { key, .. }) => Self::input(words).in_file(file).at_key(key),
+            PipelineError::NoLight => Self::input(words).in_file(file).at_key("press.indenter"),
+            PipelineError::NoBaseline => Self::usage(words).in_file(file),
+            PipelineError::Surface(error) => error.into(),
+            PipelineError::Trace(error) => error.into(),
+            PipelineError::Exposure(error) => error.into(),
+            PipelineError::Projection(error) => error.into(),
+            PipelineError::Image(_) => Self::input(words).in_file(file),
+            PipelineError::NoLoad { .. } => Self::failed(words).in_file(file),
+        }
+    }
+
+    /// Who is to blame.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// File, line and key that it is about, as far as it says.
+    #[must_use]
+    pub fn place(&self) -> (Option<&Path>, Option<usize>, Option<&str>) {
+        (self.file.as_deref(), self.line, self.key.as_deref())
     }
 
     /// Whether it says which file it is about.

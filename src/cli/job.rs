@@ -9,7 +9,6 @@ use crate::pipeline::{Order, PipelineError, Prepared, Session, Shot, guides_ligh
 use crate::progress::Observer;
 use crate::scene::{LoadedScene, open};
 use crate::streams::Sharing;
-use crate::surface::SurfaceError;
 use crate::trace::{Devices, Precision};
 use crate::vary::{self, Set};
 use std::path::{Path, PathBuf};
@@ -32,7 +31,7 @@ pub(super) fn open_with(source: &Path, sets: &[Set]) -> Result<(LoadedScene, Pat
 
 /// Refuses a scene whose light cannot be traced.
 pub(super) fn check_light(loaded: &LoadedScene, file: &Path) -> Result<(), Failure> {
-    guides_light(loaded).map_err(|error| failure(error, file))
+    guides_light(loaded).map_err(|error| Failure::of_scene(error, file))
 }
 
 impl Job {
@@ -78,24 +77,25 @@ impl Job {
     /// Presses the scene's phantom, if it has one, and makes its last load ready.
     pub fn prepare(&mut self) -> Result<Prepared, Failure> {
         let Self { loaded, session, order, file, quiet } = self;
-        watched(*quiet, |observe| session.prepare(loaded.clone(), order, observe)).map_err(|error| failure(error, file))
+        watched(*quiet, |observe| session.prepare(loaded.clone(), order, observe))
+            .map_err(|error| Failure::of_scene(error, file))
     }
 
     /// Another load of the press.
     pub fn at_load(&self, prepared: &Prepared, load: usize) -> Result<Prepared, Failure> {
-        prepared.at_load(load).map_err(|error| failure(error, &self.file))
+        prepared.at_load(load).map_err(|error| Failure::of_scene(error, &self.file))
     }
 
     /// The same load without inclusions.
     pub fn baseline(&mut self, prepared: &Prepared) -> Result<Prepared, Failure> {
         let Self { session, file, quiet, .. } = self;
-        watched(*quiet, |observe| session.baseline(prepared, observe)).map_err(|error| failure(error, file))
+        watched(*quiet, |observe| session.baseline(prepared, observe)).map_err(|error| Failure::of_scene(error, file))
     }
 
     /// Traces the image and exposes it.
     pub fn shoot<'a>(&self, prepared: &'a Prepared) -> Result<Shot<'a>, Failure> {
         let shot = watched(self.quiet, |observe| self.session.shoot(prepared, observe))
-            .map_err(|error| failure(error, &self.file))?;
+            .map_err(|error| Failure::of_scene(error, &self.file))?;
         if let (Some(notice), false) = (&shot.outcome.notice, self.quiet) {
             note(notice);
         }
@@ -114,7 +114,7 @@ pub(super) fn press_scene(
     let mut session = Session::from(Devices::cpu(Precision::F32));
     watched(quiet, |observe| session.press(loaded, &order, observe)).map_err(|error| match error {
         PipelineError::Press(error) => PressFailure::of(error, file),
-        other => PressFailure { failure: failure(other, file), reached: None },
+        other => PressFailure { failure: Failure::of_scene(other, file), reached: None },
     })
 }
 
@@ -125,24 +125,6 @@ pub(super) fn watched<T>(quiet: bool, work: impl FnOnce(&mut Observer) -> T) -> 
         progress.observe(stage.done, stage.what);
         !cancel::requested()
     })
-}
-
-/// What the pipeline says, with the scene's file where that is to blame.
-pub(super) fn failure(error: PipelineError, file: &Path) -> Failure {
-    let words = format!("{}: {error}", file.display());
-    match error {
-        PipelineError::Press(error) => PressFailure::of(error, file).failure,
-        // A shape that does not fit its stack is a mistake of the scene file.
-        PipelineError::Surface(SurfaceError::Shape { key, .. }) => Failure::input(words).in_file(file).at_key(key),
-        PipelineError::NoLight => Failure::input(words).in_file(file).at_key("press.indenter"),
-        PipelineError::NoBaseline => Failure::usage(words).in_file(file),
-        PipelineError::Surface(error) => error.into(),
-        PipelineError::Trace(error) => error.into(),
-        PipelineError::Exposure(error) => error.into(),
-        PipelineError::Projection(error) => error.into(),
-        PipelineError::Image(_) => Failure::input(words).in_file(file),
-        PipelineError::NoLoad { .. } => Failure::failed(words).in_file(file),
-    }
 }
 
 /// Notes an exposure time that does not suit the image, unless `quiet`.

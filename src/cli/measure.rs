@@ -1,7 +1,6 @@
 //! The paper's figures of a camera frame.
 
 use super::Failure;
-use super::job::failure;
 use crate::calibrate::FrameModel;
 use crate::camera::top_grey;
 use crate::estimate::{Calibration, GreyImage, Threshold};
@@ -97,7 +96,7 @@ impl SceneReading {
     ) -> Result<pipeline::Reading, Failure> {
         let threshold_grey = self.threshold_grey(&shot.prepared.scene().camera);
         let path = self.image.reference.as_deref().unwrap_or(Path::new("reference"));
-        shot.read(&ReadAs { threshold_grey, reference, calibration }).map_err(|error| failure(error, path))
+        shot.read(&ReadAs { threshold_grey, reference, calibration }).map_err(|error| Failure::of_scene(error, path))
     }
 }
 

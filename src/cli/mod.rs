@@ -32,7 +32,7 @@ mod study;
 mod sweep;
 mod usage;
 
-pub use error::{Failure, Outcome};
+pub use error::{Failure, Kind, Outcome};
 pub use flags::{Backend, Common, Precision, Talk};
 pub use progress::Progress;
 

@@ -4,12 +4,10 @@ use super::command::{self, command_line, command_of_light};
 use super::job::{Job, note_exposure};
 use super::measure::SceneReading;
 use super::{Common, Failure, Outcome, print};
-use crate::calibrate::{FORCE_ERROR, FrameModel, Frames, PressFrame, ready};
-use crate::estimate::{Estimates, GreyImage};
-use crate::mechanics::press::Load;
+use crate::calibrate::estimates_of;
+use crate::estimate::GreyImage;
 use crate::output::OutputFolder;
 use crate::pages;
-use crate::pages::facts::figure;
 use crate::pages::press_files::write_press;
 use crate::pipeline::{EarlierFrame, Prepared, Reference, Truth};
 use clap::Args;
@@ -57,7 +55,7 @@ pub(super) fn whole_job(
     if let Some((_, step)) = prepared.pressed() {
         frames.push((step.depth_mm, GreyImage::from_frame(&shot.frame)?));
     }
-    figures.estimates = estimates(model.as_ref(), &job, &frames);
+    figures.estimates = estimates_of(model.as_ref(), &job.loaded, &frames);
     let pictures = shot.write_pictured(&folder, &command_of_light())?;
     let seen = shot.camera_pictures(&figures, reading.reference_name().as_deref())?;
     folder.write("camera_false_color.svg", &seen.false_color)?;
@@ -98,29 +96,6 @@ fn baseline(job: &mut Job, prepared: &Prepared, folder: &OutputFolder) -> Result
     Ok(shot.as_reference()?)
 }
 
-/// What the frames say of the inclusion, by a calibration that was given or the one that comes with the program.
-fn estimates(given: Option<&FrameModel>, job: &Job, frames: &[(f64, GreyImage)]) -> Estimates {
-    let (model, which) = match given {
-        Some(model) => (Some(model), "the calibration does not suit"),
-        None => (ready(), "the one that comes with the program does not suit"),
-    };
-    let Some(model) = model else { return Estimates::without_model() };
-    if frames.is_empty() {
-        return Estimates::undefined("no calibrated model: nothing is pressed");
-    }
-    match model.suits(&job.loaded) {
-        Err(why) => Estimates::undefined(&format!("no calibrated model: {which}: {why}")),
-        Ok(()) => {
-            let scene = &job.loaded.scene;
-            let (camera, wavelength_nm) = (&scene.camera, scene.light.wavelength_nm);
-            let frames = frames.iter();
-            let frames =
-                frames.map(|(depth_mm, image)| PressFrame { depth_mm: *depth_mm, image, force_n: None }).collect();
-            model.estimates(&Frames { camera, wavelength_nm, frames, force_error: FORCE_ERROR })
-        }
-    }
-}
-
 /// Frames by the depth of their press, mm.
 type ByDepth = Vec<(f64, GreyImage)>;
 
@@ -136,10 +111,7 @@ fn earlier_loads(
     for (k, step) in pressed.steps[..before].iter().enumerate() {
         let prepared = job.at_load(prepared, k)?;
         let shot = job.shoot(&prepared)?;
-        let file = match pressed.setup.load {
-            Load::Path(_) => format!("camera_{}.png", k + 1),
-            _ => format!("camera_{}mm.png", figure(step.depth_mm)),
-        };
+        let file = EarlierFrame::file_of(pressed, k, step);
         shot.frame.write_png(&folder.path(&file))?;
         frames.push((step.depth_mm, GreyImage::from_frame(&shot.frame)?));
         earlier.push(EarlierFrame::of(&shot, step, file));

@@ -27,6 +27,7 @@ mod paired;
 
 use super::blocks::{BlockLevel, EDGES};
 use super::{Correlation, Film, tails};
+use crate::figure::Figure;
 use cells::{Cells, Tested, ratio, test_cell};
 pub use exact::{Deviation, Deviations, Tolerance, deviations};
 pub use paired::Paired;
@@ -102,9 +103,19 @@ pub struct Comparison {
     /// Mean radiance of the second film, W/(m^2 sr).
     pub mean_b: f64,
     /// Second mean over first; none where the first is dark.
+    #[serde(serialize_with = "or_dark")]
     pub ratio: Option<Ratio>,
     /// The comparison replicate by replicate, where it was asked for and both films know theirs.
+    #[serde(serialize_with = "or_not_shared")]
     pub paired: Option<Paired>,
+}
+
+fn or_dark<S: Serializer>(ratio: &Option<Ratio>, serializer: S) -> Result<S::Ok, S::Error> {
+    Figure::of(*ratio, "the first image is dark").serialize(serializer)
+}
+
+fn or_not_shared<S: Serializer>(paired: &Option<Paired>, serializer: S) -> Result<S::Ok, S::Error> {
+    Figure::of(*paired, "the images do not share their random numbers, or do not say").serialize(serializer)
 }
 
 /// A ratio of two means and its 95 % interval.

@@ -4,28 +4,7 @@ use crate::film::compare::{Comparison, Deviations, LevelTest, Paired, Tolerance}
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// What is said of a comparison, for programs.
-pub fn json(comparison: &Comparison) -> Value {
-    let ratio = match &comparison.ratio {
-        Some(ratio) => json!(ratio),
-        None => json!({"undefined": "the first image is dark"}),
-    };
-    let paired = match &comparison.paired {
-        Some(paired) => json!(paired),
-        None => json!({"undefined": "the images do not share their random numbers, or do not say"}),
-    };
-    json!({
-        "passed": comparison.passed,
-        "level": comparison.level,
-        "tests": comparison.tests,
-        "paired": paired,
-        "mean_a": comparison.mean_a,
-        "mean_b": comparison.mean_b,
-        "ratio": ratio,
-    })
-}
-
-/// The same for people.
+/// What is said of a comparison, for people.
 pub fn table(comparison: &Comparison) -> String {
     let verdict = if comparison.passed { "same" } else { "DIFFERENT" };
     let mut text = format!("{verdict} (chance of a false alarm {})\n", comparison.level);

@@ -1,6 +1,7 @@
 //! The figures of a shot in words, for the terminal and the report.
 
 use crate::estimate::Value as Estimate;
+pub use crate::figure::three_digits as figure;
 use crate::film::RADIANCE_UNIT;
 use crate::pipeline::{Shot, segments_per_second};
 use std::collections::BTreeMap;
@@ -133,22 +134,6 @@ pub fn columns(rows: &[(String, String)]) -> String {
     rows.iter().map(|(name, value)| format!("  {name:width$}  {value}\n")).collect()
 }
 
-/// Three significant digits, in powers of ten where that is shorter.
-pub fn figure(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    if !(1e-3..1e6).contains(&value.abs()) {
-        return format!("{value:.2e}");
-    }
-    let decimals = (2.0 - value.abs().log10().floor()).max(0.0) as usize;
-    let text = format!("{value:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
-}
-
 /// A value and its interval with two digits of the interval's half width.
 pub fn interval(value: f64, low: f64, high: f64) -> (String, String) {
     let half_width = 0.5 * (high - low);
@@ -168,15 +153,6 @@ pub fn interval(value: f64, low: f64, high: f64) -> (String, String) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn figures_have_three_digits() {
-        for (value, text) in
-            [(0.0, "0"), (1.0, "1"), (0.012_345, "0.0123"), (12.34, "12.3"), (123_456.0, "123456"), (-3e-9, "-3.00e-9")]
-        {
-            assert_eq!(figure(value), text);
-        }
-    }
 
     #[test]
     fn intervals_show_the_digits_they_support() {

@@ -3,11 +3,11 @@
 use super::{Reading, Shot, Truth};
 use crate::camera::{Frame, Suited};
 use crate::estimate::{Estimates, PaperEstimate};
-use crate::figure::Figure;
+use crate::figure::{Figure, three_digits};
 use crate::film::Ledger;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::newton::LinearSolver;
-use crate::mechanics::press::{PressStep, Pressed, Setup};
+use crate::mechanics::press::{Load, PressStep, Pressed, Setup};
 use crate::trace::Outcome;
 use crate::trace::batch::Times;
 use serde::Serialize;
@@ -246,6 +246,14 @@ impl EarlierFrame {
     pub fn of(shot: &Shot, step: &PressStep, file: String) -> Self {
         let &PressStep { depth_mm, slide_mm, hold_s, .. } = step;
         Self { depth_mm, slide_mm, hold_s, file, camera: shot.camera_summary() }
+    }
+
+    /// Name of the file of a press's load, from 0: by its depth, or by its number on a path.
+    pub fn file_of(pressed: &Pressed, load: usize, step: &PressStep) -> String {
+        match pressed.setup.load {
+            Load::Path(_) => format!("camera_{}.png", load + 1),
+            _ => format!("camera_{}mm.png", three_digits(step.depth_mm)),
+        }
     }
 }
 

@@ -84,6 +84,14 @@ impl Devices {
         self.gpus.is_some()
     }
 
+    /// Name of the adapter.
+    pub fn adapter(&self) -> String {
+        match &self.gpus {
+            Some([camera, _]) => camera.adapter(),
+            None => format!("built-in CPU tracer, {} threads", rayon::current_num_threads()),
+        }
+    }
+
     /// Why the CPU was taken, where it was not asked for.
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_deref()

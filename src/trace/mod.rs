@@ -22,6 +22,7 @@ pub mod backend;
 pub mod batch;
 pub mod constants;
 pub mod cpu;
+pub mod drivers;
 mod error;
 pub mod exitance;
 mod finite;

@@ -45,6 +45,12 @@ enum Trouble {
 }
 
 impl Gpu {
+    /// Name of the adapter and its driver.
+    pub fn adapter(&self) -> String {
+        let info = &self.info;
+        format!("{} ({:?}, {})", info.name, info.backend, info.driver_info)
+    }
+
     /// Opens the fastest adapter.
     ///
     /// # Errors

@@ -108,8 +108,7 @@ impl GpuTracer {
 
     /// Name of the adapter and its driver.
     pub fn adapter(&self) -> String {
-        let info = &self.gpu.info;
-        format!("{} ({:?}, {})", info.name, info.backend, info.driver_info)
+        self.gpu.adapter()
     }
 
     /// The device underneath.
