@@ -1,0 +1,42 @@
+"""Exceptions."""
+
+from __future__ import annotations
+
+
+class TirtouchError(Exception):
+    """What went wrong, in one line: what, where, and what would be right.
+
+    ``file``, ``line`` (from 1) and ``key`` say where, each None where that is unknown or makes no sense. ``others`` are
+    the other mistakes of a file that has several, a line each.
+    """
+
+    file: str | None
+    line: int | None
+    key: str | None
+    others: tuple[str, ...]
+
+    def __init__(
+        self,
+        message: str,
+        file: str | None = None,
+        line: int | None = None,
+        key: str | None = None,
+        others: tuple[str, ...] = (),
+    ) -> None:
+        super().__init__(message)
+        self.file = file
+        self.line = line
+        self.key = key
+        self.others = others
+
+
+class SceneError(TirtouchError):
+    """A scene that cannot be used: its text, its keys, a file that it names, or a press that cannot be computed."""
+
+
+class DeviceError(TirtouchError):
+    """What computes is to blame: no adapter, a lost device, too little of its memory, a driver that refuses."""
+
+
+class Stopped(TirtouchError):
+    """The caller's ``progress`` returned False."""
