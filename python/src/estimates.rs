@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
 use std::path::PathBuf;
-use tirtouch::calibrate::{FrameModel, Frames, Inferred, ready};
+use tirtouch::calibrate::{FrameModel, Frames, Inferred, PressFrame, ready};
 use tirtouch::camera::top_grey;
 use tirtouch::estimate as read;
 use tirtouch::estimate::{Detected, GreyImage};
@@ -111,18 +111,24 @@ impl Estimates {
 /// the one of the paper's sensor and phantoms that comes with the program. ``scene``: the scene whose camera took the
 /// frames; if not given, the calibration's own camera, read with so many pixels.
 ///
+/// ``forces_n``: force of each press, where it was measured, to a relative error (a standard deviation) of
+/// ``force_error``.
+///
 /// What does not suit comes back as undefined, with the reason. Raises TypeError and ValueError for arguments that make
 /// no sense, TirtouchError for a calibration that is none.
 #[pyfunction]
-#[pyo3(signature = (frames, depths_mm, *, calibration = None, scene = None))]
+#[pyo3(signature = (frames, depths_mm, *, forces_n = None, force_error = 0.01, calibration = None, scene = None))]
 pub fn estimate(
     py: Python<'_>,
     frames: Vec<Bound<'_, PyAny>>,
     depths_mm: Vec<f64>,
+    forces_n: Option<Vec<f64>>,
+    force_error: f64,
     calibration: Option<PathBuf>,
     scene: Option<&Bound<'_, Scene>>,
 ) -> Result<Estimates, Trouble> {
     check_depths(&depths_mm, frames.len())?;
+    check_forces(forces_n.as_deref(), force_error, frames.len())?;
     let frames = frames.iter().enumerate().map(|(k, frame)| Levels::of(frame, k)).collect::<PyResult<Vec<_>>>()?;
     let given = calibration.map(|file| FrameModel::load(&file)).transpose()?;
     let Some(model) = given.as_ref().or(ready()) else {
@@ -140,8 +146,10 @@ pub fn estimate(
     let images = frames.iter().enumerate().map(|(k, frame)| frame.image(k, &camera));
     let images = images.collect::<PyResult<Vec<_>>>()?;
     let found = py.detach(|| {
-        let frames = depths_mm.iter().copied().zip(&images).collect();
-        model.inverted(&Frames { camera: &camera, wavelength_nm, frames })
+        let force_n = |k: usize| forces_n.as_ref()?.get(k).copied();
+        let each = depths_mm.iter().zip(&images).enumerate();
+        let frames = each.map(|(k, (depth_mm, image))| PressFrame { depth_mm: *depth_mm, image, force_n: force_n(k) });
+        model.inverted(&Frames { camera: &camera, wavelength_nm, frames: frames.collect(), force_error })
     });
     Ok(Estimates::of(found.0, Some(found.1)))
 }
@@ -156,6 +164,21 @@ fn check_depths(depths_mm: &[f64], frames: usize) -> PyResult<()> {
     }
     match depths_mm.iter().enumerate().find(|(k, depth)| depths_mm[..*k].contains(depth)) {
         Some((_, twice)) => Err(PyValueError::new_err(format!("depths_mm gives {twice} twice"))),
+        None => Ok(()),
+    }
+}
+
+fn check_forces(forces_n: Option<&[f64]>, force_error: f64, frames: usize) -> PyResult<()> {
+    let positive = |number: f64| number.is_finite() && number > 0.0;
+    if !positive(force_error) {
+        return Err(PyValueError::new_err(format!("force_error must be a finite number above 0, is {force_error}")));
+    }
+    let Some(forces_n) = forces_n else { return Ok(()) };
+    if forces_n.len() != frames {
+        return Err(PyValueError::new_err(format!("forces_n gives {} forces for {frames} frames", forces_n.len())));
+    }
+    match forces_n.iter().find(|force_n| !positive(**force_n)) {
+        Some(wrong) => Err(PyValueError::new_err(format!("forces_n must be finite numbers above 0, one is {wrong}"))),
         None => Ok(()),
     }
 }

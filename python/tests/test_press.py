@@ -114,7 +114,7 @@ def known(session: Session) -> list[tirtouch.Image]:
     return session.render_loads(Scene.from_dict(values), spp=16, photons=1 << 18)
 
 
-def test_a_known_phantom_is_estimated_from_its_frames(known: list[tirtouch.Image]) -> None:
+def test_a_known_phantom_is_estimated_from_its_frames(session: Session, known: list[tirtouch.Image]) -> None:
     depths_mm = [image.depth_mm.value for image in known]
     frames = [image.frame for image in known]
     assert depths_mm == [1.0, 2.0, 4.0]
@@ -124,6 +124,14 @@ def test_a_known_phantom_is_estimated_from_its_frames(known: list[tirtouch.Image
         assert value and value.low < truth < value.high, value
     assert found.unknowns["size"] == found.size_mm
     assert found.to_dict()["inferred"]["scores"] > 0
+    # Forces of the same press tell more of the tissue, and twice as large ones are of none that is known.
+    steps = session.press(known[0].scene).loads
+    forces_n = np.array([load.force_n for load in steps])
+    more = tirtouch.estimate(frames, depths_mm, forces_n=list(forces_n), scene=known[0].scene)
+    width = [one.unknowns["phantom"].high - one.unknowns["phantom"].low for one in (found, more)]
+    assert width[1] < 0.8 * width[0] and more.unknowns["phantom"].low < 5.0 < more.unknowns["phantom"].high
+    wrong = tirtouch.estimate(frames, depths_mm, forces_n=list(2 * forces_n), scene=known[0].scene)
+    assert wrong.detected is None and "forces" in wrong.reason
     # The calibration's own camera, read with so many pixels, has another exposure: these frames are not as bright.
     other = tirtouch.estimate(frames, depths_mm)
     assert other.detected is None and not other.size_mm and other.reason and not other.unknowns
@@ -138,6 +146,10 @@ def test_frames_that_make_no_sense_are_refused(known: list[tirtouch.Image], tmp_
         tirtouch.estimate(frames, [1.0, 2.0])
     with pytest.raises(ValueError, match="twice"):
         tirtouch.estimate(frames, [1.0, 2.0, 2.0])
+    with pytest.raises(ValueError, match="2 forces for 3 frames"):
+        tirtouch.estimate(frames, [1.0, 2.0, 4.0], forces_n=[0.1, 0.2])
+    with pytest.raises(ValueError, match="above 0"):
+        tirtouch.estimate(frames, [1.0, 2.0, 4.0], forces_n=[0.1, -0.2, 0.3])
     with pytest.raises(TypeError, match=r"frames\[1\]"):
         tirtouch.estimate([frames[0], frames[1].astype(float)], [1.0, 2.0], scene=scene)
     with pytest.raises(ValueError, match="255"):

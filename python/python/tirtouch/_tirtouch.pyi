@@ -253,6 +253,8 @@ def estimate(
     frames: Sequence[NDArray[np.uint8] | NDArray[np.uint16]],
     depths_mm: Sequence[float],
     *,
+    forces_n: Sequence[float] | None = None,
+    force_error: float = 0.01,
     calibration: _Path | None = None,
     scene: Scene | None = None,
 ) -> Estimates: ...
