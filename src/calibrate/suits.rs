@@ -104,3 +104,23 @@ fn difference(a: &toml::Value, b: &toml::Value, at: &str) -> Option<String> {
         (a, b) => (a != b).then(|| at.to_owned()),
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::calibrate::ready;
+    use crate::scene::preset;
+
+    #[test]
+    fn a_scene_suits_however_it_is_written_and_not_once_its_sensor_differs() {
+        let model = ready().unwrap();
+        let mut loaded = preset("phantom-size-8mm").unwrap();
+        let with_defaults = parse(&toml::to_string(&loaded.scene).unwrap(), Path::new("all.toml")).unwrap();
+        assert_ne!(with_defaults.text, loaded.text);
+        assert_eq!((model.suits(&loaded), model.suits(&with_defaults)), (Ok(()), Ok(())));
+        // Changed in memory: the text stays as it was.
+        loaded.scene.stack.layer[0].n = Some(1.45);
+        assert!(model.suits(&loaded).unwrap_err().contains("stack.layer[0].n"));
+    }
+}
