@@ -97,7 +97,7 @@ def test_a_kind_of_error_has_its_class(session: Session, disc: Scene, phantom: S
         Session(precision="f16")
     with pytest.raises(tirtouch.TirtouchError, match="f64"):
         Session(backend="gpu", precision="f64")
-    # More texels than a device's buffer holds.
+    # Photons cannot be connected through a stack that is not flat: nobody's fault but the caller's.
     with pytest.raises(tirtouch.TirtouchError) as raised:
         session.render(phantom, integrator="splat", **FEW)
     assert not isinstance(raised.value, tirtouch.SceneError)
