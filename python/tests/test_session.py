@@ -141,8 +141,10 @@ def test_the_cpu_gives_the_same_light_in_both_precisions(disc: Scene) -> None:
 
 
 def test_ctrl_c_stops_the_work_and_the_session_goes_on() -> None:
+    # What a shell starts in the background ignores Ctrl-C, and so would its children.
     code = """
-import tirtouch
+import signal, tirtouch
+signal.signal(signal.SIGINT, signal.default_int_handler)
 session = tirtouch.Session()
 scene = tirtouch.Scene.preset("contact-disc").set({"camera.pixels[0]": 64, "camera.pixels[1]": 48})
 try:

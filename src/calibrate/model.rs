@@ -187,6 +187,11 @@ impl FrameModel {
         self.roles.iter().position(|one| one == role)
     }
 
+    /// The name of that unknown.
+    pub fn name(&self, figure: usize) -> Option<&str> {
+        Some(&self.learnt.scored.unknowns.get(self.unknown(figure)?)?.name)
+    }
+
     /// Numbers by which frames are told apart.
     pub fn scores(&self) -> usize {
         self.learnt.directions.len()

@@ -30,6 +30,11 @@ fn named(name: &str) -> (&'static str, &'static str) {
     }
 }
 
+/// A share in percent, or a dash.
+fn share(value: Option<f64>) -> String {
+    value.map_or("-".into(), |value| format!("{} %", figure(100.0 * value)))
+}
+
 /// A share in percent, or why there is none.
 fn percent(value: &Value) -> String {
     match value.scaled(100.0) {
@@ -80,18 +85,21 @@ impl Page<'_> {
     pub fn text(&self, out: &str) -> String {
         let row = |name: &str, value: String| (name.to_owned(), value);
         let mut rows = self.facts();
-        for quantity in &self.summary.quantities {
-            let (name, _) = named(quantity.name);
+        let told = |known: usize, error: String, half: Option<f64>, held: String| match known {
+            0 => "known of none".to_owned(),
+            _ => format!(
+                "known of {known}; median error {error}; half width {}; intervals of 95 % hold {held}",
+                share(half)
+            ),
+        };
+        for quantity in self.quantities().map(|(_, quantity)| quantity) {
             let held = quantity.coverage.first().map_or(String::new(), |all| percent(&all.share));
-            let told = match quantity.known {
-                0 => "known of none".to_owned(),
-                known => format!(
-                    "known of {known}; median error {}; half width {}; intervals of 95 % hold {held}",
-                    percent(&quantity.median_error),
-                    quantity.median_half_width.map_or("-".into(), |half| format!("{} %", figure(100.0 * half))),
-                ),
-            };
-            rows.push(row(name, told));
+            let error = percent(&quantity.median_error);
+            rows.push(row(named(quantity.name).0, told(quantity.known, error, quantity.median_half_width, held)));
+        }
+        for one in self.others() {
+            let error = share(one.median_error);
+            rows.push(row(&one.name, told(one.known, error, one.median_half_width, percent(&one.share))));
         }
         rows.push(row("folder", out.to_owned()));
         rows.push(row("report", format!("{out}/report.html")));
@@ -104,10 +112,24 @@ impl Page<'_> {
             0 => "no phantoms".to_owned(),
             count => format!("found in {} of {count}", percent(share)),
         };
+        if self.quantities().next().is_none() {
+            return vec![row("presses", self.summary.phantoms.to_string())];
+        }
         vec![
             row("with an inclusion", found(self.summary.phantoms, &self.summary.found)),
             row("without", found(self.summary.empty, &self.summary.false_alarms)),
         ]
+    }
+
+    /// Size, depth and modulus, as far as the calibration varies them, each with its place among the three.
+    fn quantities(&self) -> impl Iterator<Item = (usize, &Quantity)> {
+        self.summary.quantities.iter().enumerate().filter(|(k, _)| self.model.unknown(*k).is_some())
+    }
+
+    /// Unknowns that are none of these.
+    fn others(&self) -> impl Iterator<Item = &UnknownSummary> {
+        let is_told = |name: &str| (0..3).any(|figure| self.model.name(figure) == Some(name));
+        self.summary.unknowns.iter().filter(move |one| !is_told(&one.name))
     }
 
     /// The page.
@@ -115,14 +137,25 @@ impl Page<'_> {
     /// # Errors
     /// A picture that cannot be drawn.
     pub fn report(&self, trials: &[Trial], command: &str) -> Result<Report, PageError> {
-        let mut facts = self.facts();
-        facts.push(("smallest found in 95 of 100".to_owned(), super::facts::said(&self.summary.smallest_mm, "mm")));
-        let mut sections = vec![Section { title: "Errors".into(), items: vec![Item::Table(self.errors())] }];
-        for (k, quantity) in self.summary.quantities.iter().enumerate() {
+        let (mut facts, mut sections) = (self.facts(), Vec::new());
+        if self.quantities().next().is_some() {
+            facts.push(("smallest found in 95 of 100".to_owned(), super::facts::said(&self.summary.smallest_mm, "mm")));
+            sections.push(Section { title: "Errors".into(), items: vec![Item::Table(self.errors())] });
+        }
+        for (k, quantity) in self.quantities() {
             sections.push(section(k, quantity, trials)?);
         }
         if !self.summary.unknowns.is_empty() {
-            sections.push(Section { title: "All unknowns".into(), items: vec![Item::Table(self.unknowns())] });
+            let mut items = vec![Item::Table(self.unknowns())];
+            for one in self.others() {
+                let of = |trial: &Trial| {
+                    let other = trial.others.iter().find(|other| other.name == one.name)?;
+                    point(other.truth, &other.value)
+                };
+                let first = trials.iter().filter(|trial| trial.exposure == 0);
+                items.extend(picture(&one.name, "", first.filter_map(of).collect())?);
+            }
+            sections.push(Section { title: "All unknowns".into(), items });
         }
         let loads: Vec<String> = self.model.depths_mm.iter().map(f64::to_string).collect();
         let provenance = vec![
@@ -139,7 +172,6 @@ impl Page<'_> {
 
     /// All unknowns of the calibration, by their names.
     fn unknowns(&self) -> Table {
-        let share = |value: Option<f64>| value.map_or("-".into(), |value| format!("{} %", figure(100.0 * value)));
         let row = |one: &UnknownSummary| {
             vec![
                 one.name.clone(),
@@ -170,15 +202,49 @@ impl Page<'_> {
                 percent(&quantity.relative_bias),
                 percent(&quantity.median_error),
                 quantity.errors.map_or("-".into(), |errors| format!("{} {unit}", figure(errors.root_mean_square))),
-                quantity.median_half_width.map_or("-".into(), |half| format!("{} %", figure(100.0 * half))),
+                share(quantity.median_half_width),
                 quantity.coverage.first().map_or("-".into(), |all| percent(&all.share)),
             ]
         };
         Table {
             caption: "Estimates against the truth, where they are known; in brackets intervals of 95 %".into(),
             columns: columns.map(str::to_owned).to_vec(),
-            rows: self.summary.quantities.iter().map(row).collect(),
+            rows: self.quantities().map(|(_, quantity)| row(quantity)).collect(),
         }
+    }
+}
+
+/// True against estimated, where an estimate is known.
+fn picture(name: &str, unit: &'static str, points: Vec<LogPoint>) -> Result<Option<Item>, PageError> {
+    if points.is_empty() {
+        return Ok(None);
+    }
+    let ends = points.iter().map(|point| point.at[0]).fold([f64::INFINITY, 0.0f64], |[a, b], x| [a.min(x), b.max(x)]);
+    let svg = log_plot(&LogPlot {
+        title: &format!("True and estimated {name}"),
+        subtitle: "each point a phantom with its 95 % interval; the line: what is true",
+        x: AxisName { quantity: &format!("true {name}"), unit },
+        y: AxisName { quantity: &format!("estimated {name}"), unit },
+        mark: "",
+        series: vec![
+            LogSeries { name: "estimated".into(), points, style: LogStyle::Points },
+            LogSeries {
+                name: "true".into(),
+                points: ends.map(|x| LogPoint::plain([x, x])).to_vec(),
+                style: LogStyle::Line,
+            },
+        ],
+    })?;
+    Ok(Some(Item::picture(&svg, &format!("Estimated against true {name}"), "Where an estimate is known.")))
+}
+
+/// A truth, and what is told of it; none where a logarithm cannot show it.
+fn point(truth: f64, told: &Value) -> Option<LogPoint> {
+    match *told {
+        Value::Known { value, low, high } if truth.min(low) > 0.0 => {
+            Some(LogPoint { bar: Some([low, high]), ..LogPoint::plain([truth, value]) })
+        }
+        _ => None,
     }
 }
 
@@ -192,35 +258,10 @@ fn section(k: usize, quantity: &Quantity, trials: &[Trial]) -> Result<Section, P
         .filter_map(|trial| {
             let truth = trial.truth?;
             let truth = [truth.size_mm, truth.depth_mm, truth.youngs_kpa][k];
-            let told = [&trial.estimates.size_mm, &trial.estimates.depth_mm, &trial.estimates.youngs_kpa][k];
-            match *told {
-                Value::Known { value, low, high } => {
-                    Some(LogPoint { bar: Some([low, high]), ..LogPoint::plain([truth, value]) })
-                }
-                Value::Undefined { .. } => None,
-            }
+            point(truth, [&trial.estimates.size_mm, &trial.estimates.depth_mm, &trial.estimates.youngs_kpa][k])
         })
         .collect();
-    if !points.is_empty() {
-        let ends =
-            points.iter().map(|point| point.at[0]).fold([f64::INFINITY, 0.0f64], |[a, b], x| [a.min(x), b.max(x)]);
-        let svg = log_plot(&LogPlot {
-            title: &format!("True and estimated {name}"),
-            subtitle: "each point a phantom with its 95 % interval; the line: what is true",
-            x: AxisName { quantity: &format!("true {name}"), unit },
-            y: AxisName { quantity: &format!("estimated {name}"), unit },
-            mark: "",
-            series: vec![
-                LogSeries { name: "estimated".into(), points, style: LogStyle::Points },
-                LogSeries {
-                    name: "true".into(),
-                    points: ends.map(|x| LogPoint::plain([x, x])).to_vec(),
-                    style: LogStyle::Line,
-                },
-            ],
-        })?;
-        items.push(Item::picture(&svg, &format!("Estimated against true {name}"), "Where an estimate is known."));
-    }
+    items.extend(picture(name, unit, points)?);
     let rows = quantity
         .coverage
         .iter()
@@ -271,4 +312,50 @@ fn ranks_said(ranks: &RankHistogram) -> String {
         counts.join(", "),
         figure(ranks.p_value)
     )
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::calibrate::ready;
+    use crate::estimate::Estimates;
+    use crate::study::Other;
+    use std::path::Path;
+
+    fn trial(row: usize) -> Trial {
+        let value = Value::known(5.1, 4.8, 5.4);
+        Trial {
+            row,
+            exposure: 0,
+            truth: None,
+            phantom_youngs_kpa: Some(5.0),
+            estimates: Estimates::undefined("nothing is asked of it"),
+            ranks: [None; 3],
+            others: vec![Other { name: "contact".into(), truth: 5.0, value }],
+        }
+    }
+
+    /// A study of a sensor's own numbers says nothing of an inclusion that nobody asked for.
+    #[test]
+    fn what_a_calibration_does_not_vary_is_left_out() {
+        let of_inclusions = ready().unwrap();
+        let text = serde_json::to_string(of_inclusions).unwrap();
+        let bench = text.replace(r#""roles":["size","depth","youngs","#, r#""roles":["other","other","other","#);
+        let bench = FrameModel::parse(&bench, Path::new("bench.json")).unwrap();
+        let trials: Vec<Trial> = (0..20).map(trial).collect();
+        let summary = Summary::of(&trials, &[]).unwrap();
+        let told = |model: &FrameModel| {
+            let page = Page { name: "bench", description: "", summary: &summary, model };
+            let report = page.report(&trials, "").unwrap();
+            (page.text("out"), report.sections.iter().map(|section| section.title.clone()).collect::<Vec<_>>())
+        };
+        let (text, sections) = told(&bench);
+        assert!(text.contains("presses") && text.contains("20") && !text.contains("depth"), "{text}");
+        assert!(text.contains("contact") && text.contains("known of 20; median error 2 %; half width 6 %"), "{text}");
+        assert_eq!(sections, ["All unknowns"]);
+        let (text, sections) = told(of_inclusions);
+        assert!(text.contains("with an inclusion") && text.contains("depth to its top"), "{text}");
+        assert!(sections.len() > 3 && sections[0] == "Errors", "{sections:?}");
+    }
 }
