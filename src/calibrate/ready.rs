@@ -17,8 +17,8 @@ pub fn ready() -> Option<&'static FrameModel> {
     READY.as_ref()
 }
 
-/// What frames of a scene's press, by their depths in mm, say of its inclusion: by a calibration that is given, or by the
-/// one that comes with the program. Undefined, with the reason, where it does not suit the scene.
+/// What frames of a scene's press, by their depths in mm, say of its inclusion: by a calibration that is given, or by
+/// the one that comes with the program. Undefined, with the reason, where it does not suit the scene.
 pub fn estimates_of(given: Option<&FrameModel>, loaded: &LoadedScene, frames: &[(f64, GreyImage)]) -> Estimates {
     let (model, which) = match given {
         Some(model) => (Some(model), "the calibration does not suit"),

@@ -40,7 +40,14 @@ pub(super) struct Estimate {
     #[arg(long, value_name = "MM,..", value_delimiter = ',', allow_negative_numbers = true)]
     depths_mm: Vec<f64>,
     /// Force of the press of each image, N, where it was measured: tells more of what is unknown.
-    #[arg(long, value_name = "N,..", value_delimiter = ',', requires = "depths_mm", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "N,..",
+        value_delimiter = ',',
+        requires = "depths_mm",
+        value_parser = positive,
+        allow_negative_numbers = true
+    )]
     forces_n: Vec<f64>,
     /// Relative standard deviation of the forces [default: 0.01].
     #[arg(long, value_name = "SHARE", requires = "forces_n", value_parser = positive, allow_negative_numbers = true)]
