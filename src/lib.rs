@@ -48,3 +48,4 @@ pub mod surface;
 pub mod sweep;
 pub mod trace;
 pub mod vary;
+pub mod view;

@@ -13,6 +13,8 @@ use tirtouch::image_io::{Provenance, write_radiance};
 
 #[path = "cli/bad_input.rs"]
 mod bad_input;
+#[path = "cli/begin.rs"]
+mod begin;
 #[path = "cli/calibrated.rs"]
 mod calibrated;
 #[path = "cli/converge.rs"]
@@ -37,6 +39,8 @@ mod press;
 mod stability;
 #[path = "cli/sweep.rs"]
 mod sweep;
+#[path = "cli/view.rs"]
+mod view;
 
 fn tirtouch(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tirtouch")).args(arguments).output().unwrap()

@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod command_line;
 mod comparison;
 mod estimates;
 mod image;
@@ -27,6 +28,8 @@ use pyo3::prelude::*;
 mod _tirtouch {
     use super::*;
 
+    #[pymodule_export]
+    use super::command_line::_command_line;
     #[pymodule_export]
     use super::comparison::{Comparison, compare};
     #[pymodule_export]

@@ -1,7 +1,37 @@
 //! The command line as it was given, for results and reports.
 
+use super::Failure;
 use serde_json::{Value, json};
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+/// How the command line was started, where not as a program of its own.
+static STARTED: OnceLock<Started> = OnceLock::new();
+
+struct Started {
+    arguments: Vec<OsString>,
+    program: PathBuf,
+}
+
+/// Takes the command line from another program, as that which is run by `program`. Called once, at the start.
+pub(super) fn started_by(arguments: Vec<OsString>, program: PathBuf) {
+    let _ = STARTED.set(Started { arguments, program });
+}
+
+/// The arguments, the program's name first.
+pub(super) fn arguments() -> Vec<OsString> {
+    STARTED.get().map_or_else(|| std::env::args_os().collect(), |started| started.arguments.clone())
+}
+
+/// What runs the command line again.
+pub(super) fn program() -> Result<PathBuf, Failure> {
+    match STARTED.get() {
+        Some(started) => Ok(started.program.clone()),
+        None => std::env::current_exe()
+            .map_err(|error| Failure::failed(format!("the place of this program is not known: {error}"))),
+    }
+}
 
 /// A result with what every command adds: where it is, what made it, and how it was asked for.
 pub(super) fn described(result: Value, out: Option<&Path>) -> Value {
@@ -16,7 +46,7 @@ pub(super) fn with_command(mut result: Value) -> Value {
 
 /// The command line, the program's name first.
 fn command() -> Vec<String> {
-    std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect()
+    arguments().iter().map(|argument| argument.to_string_lossy().into_owned()).collect()
 }
 
 /// The same in one line, for people.
@@ -45,6 +75,6 @@ pub(super) fn commit(
     folder: crate::output::OutputFolder,
     scene: Option<&str>,
     result: Value,
-) -> Result<crate::output::Finished, super::Failure> {
+) -> Result<crate::output::Finished, Failure> {
     Ok(folder.commit(scene, with_command(result), &|| !super::cancel::requested())?)
 }

@@ -20,7 +20,6 @@ use crate::surface::SurfaceError;
 use crate::trace::TraceError;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// How a command ended that did not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -184,7 +183,7 @@ impl Failure {
     }
 
     /// Says it, on standard error and for `--json` as an object on standard output, and gives the exit code.
-    pub(super) fn report(&self, json: bool) -> ExitCode {
+    pub(super) fn report(&self, json: bool) -> u8 {
         super::note(&self.message);
         if !self.others.is_empty() {
             super::note(&format!("and {} more:", self.others.len()));
@@ -194,7 +193,7 @@ impl Failure {
             // Standard error has said it already, so a closed standard output hides nothing.
             let _ = super::write_line(&self.json().to_string());
         }
-        ExitCode::from(self.code())
+        self.code()
     }
 }
 

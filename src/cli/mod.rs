@@ -21,23 +21,28 @@ mod frames;
 mod inspect;
 mod job;
 mod measure;
+mod new;
 mod press;
 mod pressing;
 mod progress;
 mod render;
 mod run;
 mod schema;
+mod shells;
 mod stability;
 mod study;
 mod sweep;
 mod usage;
+mod view;
 
 pub use error::{Failure, Kind, Outcome};
 pub use flags::{Backend, Common, Precision, Talk};
 pub use progress::Progress;
 
 use clap::{Parser, Subcommand};
+use std::ffi::OsString;
 use std::io::Write;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Simulator of the multilayer total-internal-reflection tactile sensor.
@@ -68,7 +73,11 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     Study(study::Study),
     Inspect(inspect::Inspect),
+    View(view::View),
     Schema(schema::Schema),
+    New(new::New),
+    Completions(shells::Completions),
+    Man(shells::Man),
 }
 
 impl Command {
@@ -88,7 +97,11 @@ impl Command {
             Self::Calibrate(calibrate) => calibrate.run(),
             Self::Study(study) => study.run(),
             Self::Inspect(inspect) => inspect.run(),
+            Self::View(view) => view.run(),
             Self::Schema(schema) => schema.run(),
+            Self::New(new) => new.run(),
+            Self::Completions(completions) => completions.run(),
+            Self::Man(man) => man.run(),
         }
     }
 }
@@ -96,8 +109,20 @@ impl Command {
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
     environment::settle();
-    let json = usage::asks_for_json(std::env::args_os());
-    let outcome = usage::parse(std::env::args_os()).and_then(|parsed| match parsed {
+    ExitCode::from(run())
+}
+
+/// Runs a command line in a process of another program, which then does nothing else; gives the exit code. `arguments`
+/// begin with a name, as those of a process do; `program` starts the same again (jobs of a cluster do).
+pub fn run_as(arguments: Vec<OsString>, program: PathBuf) -> u8 {
+    command::started_by(arguments, program);
+    run()
+}
+
+fn run() -> u8 {
+    let arguments = command::arguments();
+    let json = usage::asks_for_json(arguments.iter().cloned());
+    let outcome = usage::parse(arguments.into_iter()).and_then(|parsed| match parsed {
         usage::Parsed::Text(text) => print(&text).map(|()| Outcome::Done),
         usage::Parsed::CommandLine(line) => {
             cancel::install(json)?;
@@ -106,8 +131,8 @@ pub fn main() -> ExitCode {
         }
     });
     match outcome {
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::CheckFailed) => ExitCode::from(1),
+        Ok(Outcome::Done) => 0,
+        Ok(Outcome::CheckFailed) => 1,
         Err(failure) => {
             cancel::last_word();
             failure.report(json)

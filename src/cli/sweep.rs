@@ -1,6 +1,6 @@
 //! `sweep`: many points of one scene, none lost.
 
-use super::command::{command_line, described};
+use super::command::{command_line, described, program};
 use super::flags::Backend;
 use super::job::watched;
 use super::{Common, Failure, Outcome, Talk, note, print};
@@ -323,7 +323,7 @@ impl How {
     /// Makes the folder with a job for Slurm, and sends it where that is asked for: then also what Slurm says.
     fn job(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<(Records, slurm::Job, Option<String>), Failure> {
         let records = self.records(sweep, place, resume)?;
-        let job = slurm::Job::write(sweep, &records, place, self.tasks, &self.of_tasks())?;
+        let job = slurm::Job::write(sweep, &records, place, self.tasks, (&program()?, &self.of_tasks()))?;
         let sent = self.submit.then(|| job.submit().map(|said| format!("{}: {said}", place.display()))).transpose()?;
         Ok((records, job, sent))
     }

@@ -20,7 +20,7 @@ pub mod regimes;
 pub mod run;
 pub mod sensor;
 pub mod shot;
-mod side;
+pub mod side;
 pub mod stability;
 pub mod study;
 pub mod sweep;

@@ -66,7 +66,7 @@ impl Mapping {
 }
 
 /// The colour at a share 0 to 1 of the map.
-pub(super) fn color(share: f64) -> [u8; 3] {
+pub(crate) fn color(share: f64) -> [u8; 3] {
     let c = colorous::INFERNO.eval_continuous(share.clamp(0.0, 1.0));
     [c.r, c.g, c.b]
 }

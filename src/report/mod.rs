@@ -20,6 +20,7 @@ pub mod vtu;
 
 pub use axes::AxisName;
 pub use curves::{Curve, CurvePlot, CurveStyle, curve_plot};
+pub(crate) use false_color::color as color_of;
 pub use false_color::{ColorScale, false_color, false_color_with};
 pub use frame_pictures::{FramePicture, frame_picture, frames_image};
 pub use html::{Item, Report, Section, Table};

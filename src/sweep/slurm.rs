@@ -34,22 +34,21 @@ pub struct Job {
 }
 
 impl Job {
-    /// Writes `job.sh` of at most so many tasks, whose programs get these flags.
+    /// Writes `job.sh` of at most so many tasks, each of which runs `program`, the command `tirtouch`, with these flags.
     ///
     /// # Errors
-    /// A script that cannot be written; a system that does not say where this program is.
+    /// A script that cannot be written; a folder whose place the system does not say.
     pub fn write(
         sweep: &Sweep,
         records: &Records,
         place: &Path,
         tasks: u32,
-        flags: &[String],
+        (program, flags): (&Path, &[String]),
     ) -> Result<Self, JobError> {
-        let failed = |what: &'static str| move |error| JobError::System { what, error };
-        let program = std::env::current_exe().map_err(failed("this program's place"))?;
-        let folder = std::path::absolute(place).map_err(failed("the folder's place"))?;
+        let folder = std::path::absolute(place);
+        let folder = folder.map_err(|error| JobError::System { what: "the folder's place", error })?;
         let tasks = tasks.min(u32::try_from(sweep.plan.count()).unwrap_or(u32::MAX));
-        records.write("job.sh", &job(&sweep.name, &program, &folder, tasks, flags))?;
+        records.write("job.sh", &job(&sweep.name, program, &folder, tasks, flags))?;
         Ok(Self { tasks, folder })
     }
 

@@ -48,4 +48,4 @@ pub use error::TraceError;
 pub use kernel::Kernel;
 pub use model::Model;
 pub use plan::{Method, Plan};
-pub use render::{Outcome, Settings, render, render_on};
+pub use render::{Outcome, REPLICATES, Settings, render, render_on};

@@ -1,0 +1,101 @@
+//! `view`: a scene to look at in a browser while its numbers change.
+
+use super::flags::Backend;
+use super::job::{check_light, open_with};
+use super::{Failure, Outcome, Talk, cancel, note, print};
+use crate::trace::{Devices, Precision, Settings};
+use crate::vary::Set;
+use crate::view::{Desk, Knob, Server, Span, Tev, TevError, ViewError, paint};
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Time that the work has to pause at the end; after it the program ends all the same.
+const LAST_PAUSE: Duration = Duration::from_millis(700);
+
+/// Look at a scene in a browser, with a slider for each of its numbers; Ctrl-C ends it.
+///
+/// The page is served on this machine alone, at an address that is printed.
+#[derive(Debug, Args)]
+pub(super) struct View {
+    /// Scene file, or preset:NAME for a scene that comes with the program.
+    scene: PathBuf,
+    /// Show this number first, with its range: KEY or KEY=FROM:TO; may be given again.
+    #[arg(long, value_name = "KEY=FROM:TO")]
+    slider: Vec<Span>,
+    /// Set a key of the scene, as in `stack.layer[0].n=1.42`; may be given again.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<Set>,
+    /// Port of 127.0.0.1 to listen at [default: a free one].
+    #[arg(long, value_name = "N", default_value_t, hide_default_value = true)]
+    port: u16,
+    /// Send the images to tev, or to a viewer that listens as it does, too.
+    #[arg(long, value_name = "HOST:PORT")]
+    tev: Option<String>,
+    /// Seed of all random numbers [default: the scene's].
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    seed: Option<u32>,
+    /// Where to compute.
+    #[arg(long, value_enum, default_value_t)]
+    backend: Backend,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+impl View {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let (loaded, file) = open_with(&self.scene, &self.set)?;
+        check_light(&loaded, &file)?;
+        let knobs = Knob::of(&loaded, &file, &self.slider).map_err(ViewError::Knob)?;
+        let tev = self.tev.as_deref().map(|place| Tev::connect(place, &loaded.scene.name)).transpose()?;
+        let devices = Devices::open(self.backend.choice(), Precision::F32)?;
+        if let (Some(notice), false) = (devices.notice(), self.talk.quiet) {
+            note(notice);
+        }
+        let desk = Arc::new(Desk::new(loaded, file));
+        let server = Server::open(desk.clone(), &knobs, self.port)?;
+        let painter = {
+            let (desk, seed) = (desk.clone(), self.seed);
+            let settings = move |scene: &crate::scene::Scene| {
+                let own = Settings::of(&scene.render);
+                Settings { seed: seed.unwrap_or(own.seed), ..own }
+            };
+            let work = move || paint(devices.into(), &desk, &settings, tev);
+            thread::Builder::new().spawn(work).map_err(ViewError::System)?
+        };
+        match self.talk.json {
+            true => print(&json!({"url": server.url()}).to_string())?,
+            false => print(&format!("Open {} in a browser; Ctrl-C ends it.", server.url()))?,
+        }
+        server.serve(&|| cancel::requested() || painter.is_finished());
+        desk.end();
+        if painter.is_finished() && !cancel::requested() {
+            return Err(Failure::failed("the work on the image broke off"));
+        }
+        let asked = Instant::now();
+        while !painter.is_finished() && asked.elapsed() < LAST_PAUSE {
+            thread::sleep(Duration::from_millis(10));
+        }
+        // That was how it ends.
+        cancel::last_word();
+        Ok(Outcome::Done)
+    }
+}
+
+impl From<ViewError> for Failure {
+    fn from(error: ViewError) -> Self {
+        match error {
+            ViewError::System(_) => Self::failed(error.to_string()),
+            ViewError::Port { .. } | ViewError::Knob(_) => Self::usage(error.to_string()),
+        }
+    }
+}
+
+impl From<TevError> for Failure {
+    fn from(error: TevError) -> Self {
+        Self::usage(error.to_string())
+    }
+}

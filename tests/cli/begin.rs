@@ -1,0 +1,52 @@
+//! `new`, `completions` and `man`.
+
+use super::*;
+
+#[test]
+fn a_new_scene_is_one_that_can_be_inspected() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in ["sensor", "dent", "contact", "phantom"] {
+        let set = ["--set", "stack.layer[0].n=1.43"];
+        let made = tirtouch_in(folder.path(), &[&["new", &format!("my-{kind}"), "--kind", kind], &set[..]].concat());
+        assert_eq!(code(&made), 0, "{made:?}");
+        let file = folder.path().join(format!("my-{kind}.toml"));
+        let seen = json(&tirtouch(&["inspect", &shown(file.clone()), "--json"]));
+        assert_eq!(seen["scene"], format!("my-{kind}"), "{seen}");
+        assert_eq!(seen["layers"][0]["n"], 1.43, "{seen}");
+        assert!(std::fs::read_to_string(file).unwrap().starts_with("#:schema tirtouch.schema.json\n"));
+    }
+    let schema = std::fs::read(folder.path().join("tirtouch.schema.json")).unwrap();
+    assert!(serde_json::from_slice::<Value>(&schema).unwrap()["properties"]["stack"].is_object());
+
+    let again = tirtouch_in(folder.path(), &["new", "my-dent"]);
+    assert_eq!((code(&again), one_line(&again)), (2, "./my-dent.toml: is there already"));
+    for name in ["", "../a", ".a", "a/b", "a\nb"] {
+        let refused = tirtouch_in(folder.path(), &["new", name]);
+        assert_eq!(code(&refused), 2, "{refused:?}");
+        assert!(one_line(&refused).contains("a name has letters"), "{refused:?}");
+    }
+    let wrong = tirtouch_in(folder.path(), &["new", "other", "--set", "stack.layer[0].n=-1"]);
+    assert_eq!(code(&wrong), 2);
+    assert!(one_line(&wrong).contains("stack.layer[0].n") && !folder.path().join("other.toml").exists());
+}
+
+#[test]
+fn shells_and_manuals_know_every_command() {
+    let help = tirtouch(&["--help"]);
+    let commands = text(&help.stdout).lines().skip_while(|line| !line.starts_with("Commands:")).skip(1);
+    let commands: Vec<&str> = commands.map_while(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
+    assert!(commands.contains(&"sweep") && commands.contains(&"view"), "{commands:?}");
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let printed = tirtouch(&["completions", shell]);
+        assert_eq!(code(&printed), 0);
+        let printed = text(&printed.stdout);
+        assert!(commands.iter().all(|command| printed.contains(command)), "{shell}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let pages = folder.path().join("man/man1");
+    assert_eq!(code(&tirtouch(&["man", &shown(pages.clone())])), 0);
+    for command in commands.iter().filter(|command| **command != "help") {
+        let page = std::fs::read_to_string(pages.join(format!("tirtouch-{command}.1"))).unwrap();
+        assert!(page.contains(".SH NAME"), "{command}");
+    }
+}
