@@ -76,7 +76,7 @@ def _mesh_case(scene, work):
     """The dent as the same triangles for both programs; the interfaces below stay flat in both."""
     scene = {**scene, "touch": {**scene["touch"], "inner": "flat"}}
     stack = peer.Stack(scene)
-    vertices, faces = peer.grid_face(stack, stack.top_mm, peer.dent(scene), GRID_CELLS)
+    vertices, faces, _ = peer.grid_face(stack, stack.top_mm, peer.dent(scene), GRID_CELLS)
     peer.write_obj(work / "dent.obj", vertices, faces)
     shape = {"kind": "mesh", "file": "dent.obj", "normals": "flat"}
     meshed = {**scene, "name": "dent-cap-mesh", "touch": {**scene["touch"], "shape": shape}}

@@ -57,8 +57,8 @@ def triangles(scene, kind, count):
     """Vertices and triangles of the dented face."""
     stack, dent = peer.Stack(scene), peer.dent(scene)
     if kind == "rings":
-        return peer.smooth_face(stack, stack.top_mm, dent, count)
-    return peer.grid_face(stack, stack.top_mm, dent, count, 1.1 * dent.reach_mm)
+        return peer.smooth_face(stack, stack.top_mm, dent, count)[:2]
+    return peer.grid_face(stack, stack.top_mm, dent, count, 1.1 * dent.reach_mm)[:2]
 
 
 def vertex_normals(vertices, faces):
