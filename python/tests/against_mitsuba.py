@@ -4,9 +4,9 @@
 
 Each program renders each scene in 16 runs of seeds of their own. Images are compared by the means over blocks of
 pixels; errors are the spread of the runs, so that neither program's own error estimate is trusted. The deviation of a
-block is Welch's t, taken to the normal deviate of the same probability; the sum of their squares is chi-square. Blocks of 8 and
-24 pixels and the whole image of two scenes make six tests, each at 1e-3 / 6: that all pass where the light is the same
-has a chance of 99.9 % or more.
+block is Welch's t, taken to the normal deviate of the same probability; the sum of their squares is chi-square. Blocks
+of 8 and 24 pixels and the whole image of two scenes make six tests, each at 1e-3 / 6: that all pass where the light is
+the same has a chance of 99.9 % or more.
 
 A companion plants a fault in Mitsuba's scene alone, which must turn the test red: the index of a layer off by 0.02.
 

@@ -72,7 +72,8 @@ def grid_face(stack: Stack, height_mm: float, dent: Dent, cells: int, beyond: fl
     def lines(axis: int) -> NDArray[np.float64]:
         half = stack.half_mm[axis]
         every = np.linspace(-half, half, cells + 1)
-        return every[(abs(every - dent.center[axis]) < beyond) | (abs(every) == half)]
+        kept: NDArray[np.float64] = every[(abs(every - dent.center[axis]) < beyond) | (abs(every) == half)]
+        return kept
 
     x, y = np.meshgrid(lines(0), lines(1))
     center = dent.center
