@@ -110,7 +110,8 @@ def train(frames: torch.Tensor, truth: torch.Tensor, epochs: int) -> nn.Module:
 def table(found: torch.Tensor, truth: torch.Tensor, guess: torch.Tensor, names: tuple[str, ...]) -> list[str]:
     """Errors on held-out phantoms against those of an answer that is always the mean of the training set."""
     random = np.random.default_rng(0)
-    lines = ["| | rms error, mm | of always the mean, mm | ratio (95 %, bootstrap) | bias, mm |", "|---|---|---|---|---|"]
+    lines = ["| | rms error, mm | of always the mean, mm | ratio (95 %, bootstrap) | bias, mm |"]
+    lines.append("|---|---|---|---|---|")
     for i, name in enumerate(names):
         ours, prior = (found[:, i] - truth[:, i]).numpy(), (guess[i] - truth[:, i]).numpy()
         picks = random.integers(0, len(ours), (2000, len(ours)))

@@ -46,8 +46,9 @@ def depth_mm(mesh: pyvista.UnstructuredGrid) -> float:
 def said(number: int, mesh: pyvista.UnstructuredGrid) -> str:
     """A row of the table: what a load's fields hold."""
     place = mesh.cell_centers().points[mesh["pressure_kpa"].argmax()]
+    where = f"x = {abs(place[0]):.1f}, z = {place[2]:.1f}"
     return (
-        f"| {number} | {depth_mm(mesh):.3f} | {mesh['pressure_kpa'].max():.2f} at x = {abs(place[0]):.1f}, z = {place[2]:.1f}"
+        f"| {number} | {depth_mm(mesh):.3f} | {mesh['pressure_kpa'].max():.2f} at {where}"
         f" | {np.linalg.norm(mesh['displacement_mm'], axis=1).max():.2f} | {mesh['least_jacobian'].min():.2f} |"
     )
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs the notebooks: `bash python/notebooks/check.sh [PYTHON]`, a Python with tirtouch, matplotlib, pandas, nbconvert and
-# ipykernel (default: python3). With --keep as first argument the outputs are written into the notebooks.
+# Runs the notebooks: `bash python/notebooks/check.sh [PYTHON]`, a Python with tirtouch, matplotlib, pandas, nbconvert
+# and ipykernel (default: python3). With --keep as first argument the outputs are written into the notebooks.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
