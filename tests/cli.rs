@@ -25,6 +25,8 @@ mod environment;
 mod estimate;
 #[path = "cli/examples.rs"]
 mod examples;
+#[path = "cli/explore.rs"]
+mod explore;
 #[path = "cli/folders.rs"]
 mod folders;
 #[path = "cli/frames.rs"]

@@ -74,8 +74,10 @@ pub(super) fn whole_job(
         pictures: &pictures,
         seen: &seen,
         press: press.as_ref(),
+        frames: &frames,
+        earlier: &earlier,
         command: command_line(),
-    });
+    })?;
     folder.write("report.html", &page.to_html())?;
     let mut summary = shot.run_summary(&figures, reading.reference_name(), truth);
     summary.shot.stages_seconds.files = pictures.files_seconds;

@@ -7,6 +7,7 @@ pub mod comparison;
 pub mod converge;
 pub mod difference;
 mod error;
+mod explore;
 pub mod exposure;
 pub mod facts;
 pub mod frames;

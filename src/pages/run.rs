@@ -1,5 +1,7 @@
 //! The report of a run.
 
+use super::PageError;
+use super::explore::explore;
 use super::facts::{columns, facts, figure, ledger, mean_radiance, said, scene_rows, version};
 use super::press::{press_rows, press_section};
 use super::press_files::PressPictures;
@@ -7,8 +9,8 @@ use super::regimes::layers;
 use super::regimes::regimes;
 use super::shot::{CameraPictures, Pictures};
 use super::truth::{truth_rows, truth_table};
-use crate::estimate::{Detected, Estimates, Value};
-use crate::pipeline::{NO_MECHANICS, Reading, Shot, Truth};
+use crate::estimate::{Detected, Estimates, GreyImage, Value};
+use crate::pipeline::{EarlierFrame, NO_MECHANICS, Reading, Shot, Truth};
 use crate::report::{Item, Report, Section, Table};
 
 /// What a report tells.
@@ -27,26 +29,35 @@ pub struct Run<'a> {
     pub seen: &'a CameraPictures,
     /// Pictures of the press, if there is one.
     pub press: Option<&'a PressPictures>,
+    /// Depth, mm, and frame of each load, in order.
+    pub frames: &'a [(f64, GreyImage)],
+    /// What is said of those before the last.
+    pub earlier: &'a [EarlierFrame],
     /// The command that asked for it.
     pub command: String,
 }
 
 /// Makes the report.
-pub fn report(run: &Run) -> Report {
+///
+/// # Errors
+/// A view that total reflection hides.
+pub fn report(run: &Run) -> Result<Report, PageError> {
     let Run { shot, figures, reference, truth, pictures, seen, press, .. } = *run;
     let scene = shot.prepared.scene();
-    let mut sections = vec![camera(shot, reference, seen), estimates(figures, reference, truth)];
+    let explore = Item::Explore(Box::new(explore(shot, run.frames, run.earlier)?));
+    let explore = Section { title: String::new(), items: vec![explore] };
+    let mut sections = vec![explore, camera(shot, reference, seen), estimates(figures, reference, truth)];
     if let (Some((pressed, _)), Some(pictures)) = (shot.prepared.pressed(), press) {
         sections.push(press_section(pressed, pictures));
     }
     sections.extend([light(shot, pictures), stack(shot)]);
-    Report {
+    Ok(Report {
         title: format!("tirtouch: {}", scene.name),
         summary: summary(shot, figures),
         facts: cards(shot),
         sections,
         provenance: provenance(shot, &run.command),
-    }
+    })
 }
 
 fn summary(shot: &Shot, figures: &Reading) -> String {

@@ -62,7 +62,7 @@ impl Shot<'_> {
         })
     }
 
-    fn raster<'v>(&self, values: &'v [f64], quantity: &'v str, unit: &'v str) -> Raster<'v> {
+    pub(super) fn raster<'v>(&self, values: &'v [f64], quantity: &'v str, unit: &'v str) -> Raster<'v> {
         let (width, height) = (self.frame.width as usize, self.frame.height as usize);
         Raster { width, height, values, quantity, unit, mm_per_pixel: Some(self.mm_per_pixel) }
     }
@@ -75,7 +75,7 @@ pub fn marks(reading: &Reading) -> Marks {
 
 /// Logarithmic where a few pixels (glints) are far brighter than the hundredth brightest and dimmer ones lie more than
 /// a decade below: on a linear scale the glints alone would show.
-fn scale_of(values: &[f64]) -> ColorScale {
+pub(super) fn scale_of(values: &[f64]) -> ColorScale {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let percentile = sorted.get(sorted.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(0.0);

@@ -197,7 +197,7 @@ mod tests {
         let svg = false_color_with("Frame", &grey, ColorScale::Linear, &marks).unwrap();
         assert_well_formed(&svg);
         // 96 pixels are 600 wide from 24, 72 are 450 high from 72: the middle is at 324, 297.
-        assert!(svg.contains("M316 297L332 297") && svg.contains(">above grey level 5<"), "{svg}");
+        assert!(svg.contains("M316 297l16 0") && svg.contains(">above grey level 5<"), "{svg}");
         let none = Marks { centroid_px: None, ..marks };
         assert!(!false_color_with("Frame", &grey, ColorScale::Linear, &none).unwrap().contains("centroid"));
     }

@@ -39,6 +39,7 @@ fn report_is_one_escaped_page_without_outside_references() {
     assert!(html.starts_with("<!DOCTYPE html><html lang=\"en\">"));
     assert!(html.contains("<title>A &amp; B</title>") && html.contains("alt=\"a &quot;blob&quot;\""));
     assert!(html.contains("undefined: no &lt;model&gt;"));
+    let html = html.replace("xmlns=%22http://www.w3.org/2000/svg%22", "");
     assert!(!html.contains("http"), "nothing is fetched");
 }
 
@@ -46,9 +47,13 @@ fn report_is_one_escaped_page_without_outside_references() {
 fn picture_comes_back_from_the_page_as_it_was() {
     let report = report();
     let html = report.to_html();
-    let data = html.split("data:image/svg+xml;base64,").nth(1).unwrap().split('"').next().unwrap();
+    let data = html.split("data:image/svg+xml,").nth(1).unwrap().split('"').next().unwrap();
     let Item::Picture { svg, .. } = &report.sections[0].items[2] else { panic!("no picture") };
-    assert_eq!(&String::from_utf8(STANDARD.decode(data).unwrap()).unwrap(), svg);
+    assert!(!data.contains(['\n', '#', '&']), "these would change or end the address");
+    let byte = |part: &str| char::from(u8::from_str_radix(&part[..2], 16).unwrap()).to_string() + &part[2..];
+    let mut parts = data.split('%');
+    let decoded = parts.next().unwrap().to_owned() + &parts.map(byte).collect::<String>();
+    assert_eq!(decoded, svg.replace('\n', " "));
 }
 
 #[test]

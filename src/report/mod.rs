@@ -5,6 +5,7 @@
 
 mod axes;
 pub mod curves;
+pub mod explore;
 pub mod false_color;
 pub mod frame_pictures;
 pub mod html;

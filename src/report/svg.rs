@@ -71,16 +71,21 @@ impl Svg {
     /// A polyline, or a polygon where closed, with SVG attributes.
     pub fn path(&mut self, points: &[[f64; 2]], closed: bool, attributes: &str) {
         let mut d = String::new();
+        let mut before = [0.0; 2];
         for (i, point) in points.iter().enumerate() {
-            // A tenth of a pixel: a relief has thousands of points.
-            let [x, y] = point.map(|v| coordinate((v * 10.0).round() / 10.0));
-            let command = if i == 0 { 'M' } else { 'L' };
-            d.push_str(&format!("{command}{x} {y}"));
+            // A tenth of a pixel, and from the second point on the way from the one before: a relief has thousands.
+            let tenths = point.map(|v| (v * 10.0).round());
+            let [x, y] = [0, 1].map(|k| coordinate((tenths[k] - before[k]) / 10.0));
+            let command = ["M", "l", if x.starts_with('-') { "" } else { " " }][i.min(2)];
+            let gap = if y.starts_with('-') { "" } else { " " };
+            d.push_str(&format!("{command}{x}{gap}{y}"));
+            before = tenths;
         }
         if closed {
             d.push('Z');
         }
-        self.push(&format!(r#"<path d="{d}" {attributes}/>"#));
+        // The quotes that a page's address need not escape.
+        self.push(&format!("<path d='{d}' {attributes}/>"));
     }
 
     /// A path from its SVG commands, with SVG attributes.
@@ -224,6 +229,6 @@ mod tests {
         let text = svg.finish();
         assert_well_formed(&text);
         assert!(text.contains("a &lt; b &amp; c") && text.contains("&lt;script&gt;"));
-        assert!(text.contains(r#"d="M0 0L1.5 0Z""#), "{text}");
+        assert!(text.contains("d='M0 0l1.5 0Z'"), "{text}");
     }
 }

@@ -48,7 +48,7 @@ impl Grid<'_> {
 pub(super) fn draw(svg: &mut Svg, stage: &Stage, blocks: &Blocks) {
     let grid = Grid { stage, blocks };
     let (columns, rows) = (blocks.width, blocks.height);
-    svg.group(r#"stroke-width="0.7" stroke-linejoin="round""#);
+    svg.group(r#"fill="currentColor" stroke="currentColor" stroke-width="0.7" stroke-linejoin="round""#);
     for row in 0..rows.saturating_sub(1) {
         let mut start = 0;
         for column in 0..columns.saturating_sub(1) {
@@ -74,8 +74,8 @@ pub(super) fn draw(svg: &mut Svg, stage: &Stage, blocks: &Blocks) {
 }
 
 fn fill_path(svg: &mut Svg, points: &[[f64; 2]], [r, g, b]: [u8; 3]) {
-    let paint = format!("#{r:02x}{g:02x}{b:02x}");
-    svg.path(points, true, &format!(r#"fill="{paint}" stroke="{paint}""#));
+    // Of the group's fill and stroke alike.
+    svg.path(points, true, &format!("color='#{r:02x}{g:02x}{b:02x}'"));
 }
 
 /// A polyline without the points that lie on the straight line between their neighbours.
