@@ -1,4 +1,4 @@
-//! What serialises, as Python's dictionaries; and scenes from those.
+//! What serialises, as Python's dictionaries; and the text of files from those.
 
 use crate::trouble::Trouble;
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -86,6 +86,14 @@ fn table(dict: &Bound<'_, PyDict>, place: &str, level: usize) -> PyResult<toml::
         }
     }
     Ok(table)
+}
+
+/// A value of Python as one of TOML; `place` names it in messages.
+///
+/// # Errors
+/// As [`to_table`].
+pub fn to_value(value: &Bound<'_, PyAny>, place: &str) -> PyResult<toml::Value> {
+    to_toml(value, place, 0)
 }
 
 fn to_toml(value: &Bound<'_, PyAny>, place: &str, level: usize) -> PyResult<toml::Value> {

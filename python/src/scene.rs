@@ -1,15 +1,14 @@
 //! Scenes.
 
-use crate::json::{json, to_dict, to_python, to_table, without_nulls};
+use crate::json::{json, to_dict, to_python, to_table, to_value, without_nulls};
 use crate::trouble::Trouble;
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tirtouch::cli::Failure;
 use tirtouch::scene::{self, LoadedScene, PRESETS};
-use tirtouch::vary::{self, Scalar, Set};
+use tirtouch::vary::{self, Set};
 
 /// A checked scene: sensor, camera, phantom and press. It never changes; ``set`` gives another.
 ///
@@ -22,7 +21,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    fn of(loaded: LoadedScene, file: PathBuf) -> Self {
+    pub fn of(loaded: LoadedScene, file: PathBuf) -> Self {
         Self { loaded: Arc::new(loaded), file }
     }
 }
@@ -84,14 +83,14 @@ impl Scene {
         &self.loaded.text
     }
 
-    /// The scene with keys set to numbers, texts or flags, as in ``scene.set({"stack.layer[0].n": 1.42})``. Keys are as
-    /// in sweeps: ``led[*].power_mw`` are all of a list, ``stack.layer["glass"].n`` one by its name. ``from_dict``
-    /// takes lists and tables.
+    /// The scene with keys set, as in ``scene.set({"stack.layer[0].n": 1.42, "camera.pixels": [64, 48]})``. Keys are as
+    /// in sweeps: ``led[*].power_mw`` are all of a list, ``stack.layer["glass"].n`` one by its name. A list or a
+    /// dictionary takes the whole place of a list or a table.
     ///
-    /// Raises SceneError for a key that leads nowhere and for a scene that breaks a rule.
+    /// Raises SceneError for a key that leads nowhere and for a scene that breaks a rule, TypeError for what no scene
+    /// can hold.
     fn set(&self, values: &Bound<'_, PyDict>) -> Result<Self, Trouble> {
-        let sets = values.iter().map(|(key, value)| set_of(&key, &value, &self.file)).collect::<Result<Vec<_>, _>>()?;
-        let loaded = vary::with((*self.loaded).clone(), &self.file, &sets)?;
+        let loaded = vary::with((*self.loaded).clone(), &self.file, &sets_of(values, &self.file)?)?;
         Ok(Self::of(loaded, self.file.clone()))
     }
 
@@ -123,21 +122,20 @@ impl Scene {
     }
 }
 
+/// Keys and their values.
+///
+/// # Errors
+/// `SceneError` for a key that is none, `TypeError` for what no scene can hold.
+pub fn sets_of(values: &Bound<'_, PyDict>, file: &Path) -> Result<Vec<Set>, Trouble> {
+    values.iter().map(|(key, value)| set_of(&key, &value, file)).collect()
+}
+
 fn set_of(key: &Bound<'_, PyAny>, value: &Bound<'_, PyAny>, file: &Path) -> Result<Set, Trouble> {
     let key: String = key.extract()?;
-    let scalar = if let Ok(flag) = value.extract() {
-        Scalar::Flag(flag)
-    } else if let Ok(number) = value.extract() {
-        Scalar::Number(number)
-    } else if let Ok(text) = value.extract() {
-        Scalar::Text(text)
-    } else {
-        let message = format!("{key}: set takes a number, a text or a flag; Scene.from_dict takes lists and tables");
-        return Err(PyTypeError::new_err(message).into());
-    };
+    let value = to_value(value, &key)?;
     let wrong =
         |why: String| Trouble::scene(Failure::input(format!("{}: {why}", file.display())).in_file(file).at_key(&key));
-    Ok(Set { key: key.parse().map_err(wrong)?, value: scalar })
+    Ok(Set { key: key.parse().map_err(wrong)?, value })
 }
 
 /// The JSON schema of the scene file, or of the sweep file, as a dictionary.

@@ -60,8 +60,39 @@ def test_set_changes_what_it_names_and_leaves_the_scene_alone() -> None:
     assert [layer["n"] for layer in layers] == [1.42, 1.41, 1.39, 1.38]
     assert other.name == "other" and scene == Scene.preset("contact-disc")
     assert scene.set({}) == scene
-    with pytest.raises(TypeError, match="from_dict"):
-        scene.set({"camera.pixels": [64, 48]})
+
+
+def test_set_takes_lists_and_tables_too() -> None:
+    scene = Scene.preset("contact-disc")
+    values = scene.to_dict()
+    assert scene.set({"camera.pixels": [64, 48]}).to_dict()["camera"]["pixels"] == [64, 48]
+    # Whole numbers count, as they do by themselves.
+    assert scene.set({"camera.pixels": np.array([64.0, 48.0])}).to_dict()["camera"]["pixels"] == [64, 48]
+    led = values["led"][0] | {"radiance_w_per_m2_sr": 1.5}
+    one = scene.set({"led": [led], "stack.layer[0].n": 1.42}).to_dict()
+    assert len(values["led"]) > 1 and one["led"] == [led] and one["stack"]["layer"][0]["n"] == 1.42
+    sensor = values["camera"]["sensor"] | {"exposure_ms": 3.5}
+    assert scene.set({"camera.sensor": sensor}).to_dict()["camera"] == values["camera"] | {"sensor": sensor}
+    elastic = {"law": "neo_hookean", "youngs_kpa": 9.0}
+    layers = scene.set({"stack.layer[*].elastic": elastic}).to_dict()["stack"]["layer"]
+    assert all(layer["elastic"].items() >= elastic.items() for layer in layers)
+    assert [layer["n"] for layer in layers] == [layer["n"] for layer in values["stack"]["layer"]]
+
+
+def test_lists_that_make_no_scene_say_why() -> None:
+    scene = Scene.preset("contact-disc")
+    for key, value, words in [
+        ("camera.pixels", [64], "camera.pixels"),
+        ("camera.pixels", [64, -1], "camera.pixels"),
+        ("led", [{"radiance_w_per_m2_sr": 1.0, "color": "red"}], "color"),
+        ("led", 3.0, "list of tables"),
+        ("camera", [1.0], "table"),
+    ]:
+        with pytest.raises(SceneError, match=words) as raised:
+            scene.set({key: value})
+        assert raised.value.file == "contact-disc.toml" and raised.value.key is not None
+    with pytest.raises(TypeError, match=r"camera\.pixels\[1\]"):
+        scene.set({"camera.pixels": [64, object()]})
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ use super::FrameModel;
 use super::estimates::short;
 use super::model::Role;
 use crate::scene::{LoadedScene, Scene, parse};
-use crate::vary::{KeyPath, Scalar};
+use crate::vary::KeyPath;
 use std::path::Path;
 
 impl FrameModel {
@@ -40,7 +40,7 @@ impl FrameModel {
         let mut document = document.map_err(|error| error.to_string())?;
         for key in self.keys.iter().flatten() {
             let path = key.parse::<KeyPath>()?;
-            path.set(document.as_item_mut(), &Scalar::Number(1.0))?;
+            path.set(document.as_item_mut(), &toml::Value::Float(1.0))?;
         }
         let table = document.to_string().parse::<toml::Table>().map_err(|error| error.to_string())?;
         let mut value = toml::Value::Table(table);

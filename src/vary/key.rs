@@ -1,9 +1,8 @@
 //! Paths to the keys of a scene: `stack.layer["PDMS 1.41"].n`, `led[*].power_mw`,
 //! `phantom.inclusion[0].shape.diameter_mm`.
 
-use super::Scalar;
 use std::str::FromStr;
-use toml_edit::{Array, ArrayOfTables, Item, TableLike, Value};
+use toml_edit::{Array, ArrayOfTables, InlineTable, Item, TableLike, Value};
 
 /// Most steps of a path.
 const MOST_STEPS: usize = 32;
@@ -86,16 +85,39 @@ impl std::fmt::Display for KeyPath {
 
 impl KeyPath {
     /// Sets the key in a scene's document, in all places that the path names. A key that the document leaves to its
-    /// default is added to its table.
+    /// default is added to its table. Tables and lists of tables give way to tables and lists alone.
     ///
     /// # Errors
     /// When the path leads nowhere: an element that is not there, a table that is none.
-    pub fn set(&self, document: &mut Item, value: &Scalar) -> Result<(), String> {
-        in_item(document, &self.steps, value).map_err(|why| format!("{self}: {why}"))
+    pub fn set(&self, document: &mut Item, value: &toml::Value) -> Result<(), String> {
+        in_item(document, &self.steps, &written(value)).map_err(|why| format!("{self}: {why}"))
     }
 }
 
-fn in_item(item: &mut Item, steps: &[Step], value: &Scalar) -> Result<(), String> {
+/// Whole numbers up to this are exact as f64 and as integers.
+const EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// As it stands in a document. A whole number is written without a point, so that it fits keys that count.
+fn written(value: &toml::Value) -> Value {
+    match value {
+        toml::Value::String(text) => text.as_str().into(),
+        toml::Value::Integer(whole) => (*whole).into(),
+        toml::Value::Float(number) if number.fract() == 0.0 && number.abs() <= EXACT => (*number as i64).into(),
+        toml::Value::Float(number) => (*number).into(),
+        toml::Value::Boolean(flag) => (*flag).into(),
+        toml::Value::Datetime(time) => time.to_string().into(),
+        toml::Value::Array(items) => Value::Array(items.iter().map(written).collect()),
+        toml::Value::Table(table) => {
+            Value::InlineTable(table.iter().map(|(key, value)| (key.as_str(), written(value))).collect::<InlineTable>())
+        }
+    }
+}
+
+fn in_item(item: &mut Item, steps: &[Step], value: &Value) -> Result<(), String> {
+    if steps.is_empty() && item.is_array_of_tables() && value.is_array() {
+        *item = Item::Value(value.clone());
+        return Ok(());
+    }
     match item {
         Item::Value(inside) => in_value(inside, steps, value),
         Item::ArrayOfTables(tables) => in_tables(tables, steps, value),
@@ -104,11 +126,11 @@ fn in_item(item: &mut Item, steps: &[Step], value: &Scalar) -> Result<(), String
     }
 }
 
-fn in_value(item: &mut Value, steps: &[Step], value: &Scalar) -> Result<(), String> {
+fn in_value(item: &mut Value, steps: &[Step], value: &Value) -> Result<(), String> {
     match (item, steps) {
         (item, []) => {
             let decor = item.decor().clone();
-            *item = value.to_toml();
+            *item = value.clone();
             *item.decor_mut() = decor;
             Ok(())
         }
@@ -125,7 +147,7 @@ fn in_value(item: &mut Value, steps: &[Step], value: &Scalar) -> Result<(), Stri
     }
 }
 
-fn in_tables(tables: &mut ArrayOfTables, steps: &[Step], value: &Scalar) -> Result<(), String> {
+fn in_tables(tables: &mut ArrayOfTables, steps: &[Step], value: &Value) -> Result<(), String> {
     let [step, rest @ ..] = steps else { return Err("is a list of tables and no single value".into()) };
     let name = |k: usize| tables.get(k).and_then(|table| table.get("name")).and_then(Item::as_str).map(str::to_owned);
     let places = places(step, tables.len(), name)?;
@@ -135,8 +157,15 @@ fn in_tables(tables: &mut ArrayOfTables, steps: &[Step], value: &Scalar) -> Resu
     })
 }
 
-fn in_table(table: &mut dyn TableLike, steps: &[Step], value: &Scalar) -> Result<(), String> {
-    let [step, rest @ ..] = steps else { return Err("is a table and no single value".into()) };
+fn in_table(table: &mut dyn TableLike, steps: &[Step], value: &Value) -> Result<(), String> {
+    let [step, rest @ ..] = steps else {
+        let entries = value.as_inline_table().ok_or("is a table and no single value")?;
+        table.clear();
+        for (key, value) in entries {
+            table.insert(key, Item::Value(value.clone()));
+        }
+        return Ok(());
+    };
     let Step::Key(name) = step else { return Err("there is a table and no list".into()) };
     if let Some(item) = table.get_mut(name) {
         return in_item(item, rest, value);
@@ -145,7 +174,7 @@ fn in_table(table: &mut dyn TableLike, steps: &[Step], value: &Scalar) -> Result
         return Err(format!("there is no list {name}"));
     }
     let mut item = match rest {
-        [] => Item::Value(value.to_toml()),
+        [] => Item::Value(value.clone()),
         // Without a header of its own a table would end the one that it stands in.
         _ => Item::Value(Value::InlineTable(Default::default())),
     };
@@ -196,7 +225,7 @@ mod tests {
 
     fn set(path: &str, value: f64) -> Result<String, String> {
         let mut document: toml_edit::DocumentMut = SCENE.parse().unwrap();
-        path.parse::<KeyPath>()?.set(document.as_item_mut(), &Scalar::Number(value))?;
+        path.parse::<KeyPath>()?.set(document.as_item_mut(), &toml::Value::Float(value))?;
         Ok(document.to_string())
     }
 
@@ -221,6 +250,28 @@ mod tests {
         assert_eq!(read(set("render.spp", 64.0).unwrap())["render"]["spp"].as_integer(), Some(64));
         assert_eq!(read(set("stack.size.z.w", 0.5).unwrap())["stack"]["size"]["z"]["w"].as_float(), Some(0.5));
         assert_eq!(read(set("seed", 1e300).unwrap())["seed"].as_float(), Some(1e300));
+    }
+
+    #[test]
+    fn lists_and_tables_take_the_place_of_lists_and_tables() {
+        let set = |path: &str, value: &str| {
+            let mut document: toml_edit::DocumentMut = SCENE.parse().unwrap();
+            let value = format!("v = {value}").parse::<toml::Table>().unwrap().remove("v").unwrap();
+            path.parse::<KeyPath>().unwrap().set(document.as_item_mut(), &value)?;
+            Ok::<_, String>(document.to_string().parse::<toml::Table>().unwrap())
+        };
+        let before: toml::Table = SCENE.parse().unwrap();
+        let pixels = set("list.pixels", "[64.0, 48]").unwrap();
+        assert_eq!(pixels["list"]["pixels"].as_array().unwrap(), &[64.into(), 48.into()]);
+        assert_eq!(set("stack.layer", "[{ name = 'a', n = 1.4 }]").unwrap()["stack"]["layer"][0]["n"], 1.4.into());
+        assert_eq!(set("stack.size", "{ x = 3 }").unwrap()["stack"]["size"], toml::toml! { x = 3 }.into());
+        let all = set("led[*]", "{ power_mw = 7 }").unwrap();
+        assert_eq!(all["led"][1], toml::toml! { power_mw = 7 }.into());
+        assert_eq!(set("stack", "{ a = 1 }").unwrap()["stack"], toml::toml! { a = 1 }.into());
+        // All else stays.
+        assert!(before.iter().all(|(key, value)| key == "led" || all[key] == *value));
+        assert!(set("led[*]", "[1]").unwrap_err().contains("is a table"));
+        assert!(set("led", "{ power_mw = 7 }").unwrap_err().contains("a list of tables"));
     }
 
     #[test]

@@ -179,7 +179,8 @@ impl Plan {
         let mut document = document.map_err(|error| Invalid::new("sweep.scene", error.to_string()))?;
         for (k, (one, value)) in self.variables.iter().zip(&point.values).enumerate() {
             for key in &one.keys {
-                key.set(document.as_item_mut(), value).map_err(|why| Invalid::new(format!("vary[{k}].key"), why))?;
+                let set = key.set(document.as_item_mut(), &value.to_toml());
+                set.map_err(|why| Invalid::new(format!("vary[{k}].key"), why))?;
             }
         }
         Ok(document.to_string())

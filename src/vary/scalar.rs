@@ -26,9 +26,6 @@ impl JsonSchema for Scalar {
     }
 }
 
-/// Whole numbers up to this are exact as f64 and as integers.
-const EXACT: f64 = 9_007_199_254_740_992.0;
-
 impl Scalar {
     /// The number, if it is one.
     pub fn number(&self) -> Option<f64> {
@@ -38,11 +35,10 @@ impl Scalar {
         }
     }
 
-    /// As a value of a TOML document.
-    pub(super) fn to_toml(&self) -> toml_edit::Value {
+    /// As a value of TOML.
+    pub fn to_toml(&self) -> toml::Value {
         match self {
             Self::Flag(flag) => (*flag).into(),
-            Self::Number(number) if number.fract() == 0.0 && number.abs() <= EXACT => (*number as i64).into(),
             Self::Number(number) => (*number).into(),
             Self::Text(text) => text.as_str().into(),
         }

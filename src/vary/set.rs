@@ -1,7 +1,7 @@
 //! Keys of a scene set by hand: `stack.layer[0].n=1.42`.
 
 use super::{KeyPath, Scalar};
-use crate::scene::{Invalid, LoadedScene, SceneError, at_its_place, parse};
+use crate::scene::{Invalid, Loaded, LoadedScan, LoadedScene, SceneError, at_its_place, parse, parse_scan};
 use std::path::Path;
 use std::str::FromStr;
 
@@ -10,8 +10,8 @@ use std::str::FromStr;
 pub struct Set {
     /// The key.
     pub key: KeyPath,
-    /// Its value.
-    pub value: Scalar,
+    /// Its value: a number, a text or a flag; a list or a table in the place of one.
+    pub value: toml::Value,
 }
 
 impl FromStr for Set {
@@ -20,7 +20,7 @@ impl FromStr for Set {
     fn from_str(text: &str) -> Result<Self, String> {
         match text.rsplit_once('=') {
             Some((key, value)) if !value.trim().is_empty() => {
-                Ok(Self { key: key.trim().parse()?, value: Scalar::of_cell(value.trim()) })
+                Ok(Self { key: key.trim().parse()?, value: Scalar::of_cell(value.trim()).to_toml() })
             }
             _ => Err("it must be KEY=VALUE, as in stack.layer[0].n=1.42".into()),
         }
@@ -32,6 +32,23 @@ impl FromStr for Set {
 /// # Errors
 /// A key that leads nowhere, a scene that breaks a rule.
 pub fn with(loaded: LoadedScene, file: &Path, sets: &[Set]) -> Result<LoadedScene, SceneError> {
+    changed(loaded, file, sets, parse)
+}
+
+/// The same of a scan scene.
+///
+/// # Errors
+/// As [`with`].
+pub fn with_scan(loaded: LoadedScan, file: &Path, sets: &[Set]) -> Result<LoadedScan, SceneError> {
+    changed(loaded, file, sets, parse_scan)
+}
+
+fn changed<S>(
+    loaded: Loaded<S>,
+    file: &Path,
+    sets: &[Set],
+    parse: impl FnOnce(&str, &Path) -> Result<Loaded<S>, SceneError>,
+) -> Result<Loaded<S>, SceneError> {
     if sets.is_empty() {
         return Ok(loaded);
     }
@@ -42,7 +59,7 @@ pub fn with(loaded: LoadedScene, file: &Path, sets: &[Set]) -> Result<LoadedScen
         key.set(document.as_item_mut(), value).map_err(|why| at(&key.to_string(), why))?;
     }
     let files = loaded.files.clone();
-    Ok(LoadedScene { files, ..parse(&document.to_string(), file)? })
+    Ok(Loaded { files, ..parse(&document.to_string(), file)? })
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::painter::Look;
 use crate::scene::{Invalid, LoadedScene, SceneError, at_its_place};
-use crate::vary::{self, Scalar, Set};
+use crate::vary::{self, Set};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -89,7 +89,7 @@ impl Desk {
     pub fn wish(&self, values: &BTreeMap<String, f64>) -> Result<u64, SceneError> {
         let set = |(key, value): (&String, &f64)| {
             let wrong = |why: String| at_its_place(&self.base.text, &self.file, &Invalid::new(key.as_str(), why));
-            Ok(Set { key: key.parse().map_err(wrong)?, value: Scalar::Number(*value) })
+            Ok(Set { key: key.parse().map_err(wrong)?, value: (*value).into() })
         };
         let sets = values.iter().map(set).collect::<Result<Vec<_>, SceneError>>()?;
         let loaded = vary::with(self.base.clone(), &self.file, &sets)?;

@@ -1,7 +1,7 @@
 //! The numbers of a scene, each with a range to move it in.
 
 use crate::scene::LoadedScene;
-use crate::vary::{self, KeyPath, Scalar, Set};
+use crate::vary::{self, KeyPath, Set};
 use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;
@@ -117,7 +117,7 @@ fn collect(value: &Value, key: String, numbers: &mut Vec<(String, f64, bool)>) {
 /// Whether the scene's file has a place for the key: a list that it leaves to its default has none.
 fn is_settable(loaded: &LoadedScene, file: &Path, key: &str, value: f64) -> bool {
     let Ok(key) = key.parse() else { return false };
-    vary::with(loaded.clone(), file, &[Set { key, value: Scalar::Number(value) }]).is_ok()
+    vary::with(loaded.clone(), file, &[Set { key, value: value.into() }]).is_ok()
 }
 
 /// Where a number is moved by itself.
