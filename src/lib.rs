@@ -35,7 +35,7 @@ pub mod infer;
 pub mod mechanics;
 pub mod optics;
 pub mod output;
-mod pages;
+pub mod pages;
 pub mod pipeline;
 pub mod progress;
 pub mod report;

@@ -19,7 +19,7 @@ mod training;
 pub use blocks::Blocks;
 pub use bound::{Bounds, Inclusion, Limits, Protocol};
 pub use estimates::{Inferred, InferredUnknown, LedPower};
-pub use file::{CalibrationFile, Parts};
+pub use file::{CalibrationFile, Folders, Parts, Trainings};
 pub(crate) use frames::SAME_DEPTH;
 pub use frames::{FORCE_ERROR, Frames, PressFrame};
 pub use model::FrameModel;
@@ -29,6 +29,7 @@ pub(crate) use training::sweep_of;
 
 use crate::image_io::ImageError;
 use crate::infer::FitError;
+use crate::output::OutputError;
 use crate::sweep::SweepFolderError;
 use std::path::PathBuf;
 
@@ -49,6 +50,9 @@ pub enum CalibrateError {
     /// An image that cannot be read.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// A file that cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// Points that tell too little.
     #[error(transparent)]
     Fit(#[from] FitError),

@@ -2,6 +2,7 @@
 
 use super::{Blocks, CalibrateError, Training};
 use crate::infer::{Learnt, Nuisance, Scored, Unknown};
+use crate::output::write_whole;
 use crate::scene::{Camera, DepthTo, Input, LoadedScene, SceneError, parse};
 use crate::vary::Vary;
 use serde::{Deserialize, Serialize};
@@ -138,6 +139,35 @@ impl FrameModel {
         let input = Input::read(file.to_path_buf()).map_err(|error| wrong(error.to_string()))?;
         let text = String::from_utf8(input.bytes.to_vec()).map_err(|_| wrong("it is not UTF-8".into()))?;
         Self::parse(&text, file)
+    }
+
+    /// Writes the calibration to a file, whole or not at all; its folder is made.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, file: &Path) -> Result<(), CalibrateError> {
+        let wrong = |why: String| CalibrateError::File { file: file.to_path_buf(), why };
+        let text = serde_json::to_string(self).map_err(|error| wrong(error.to_string()))?;
+        Self::parse(&text, file)?;
+        Ok(write_whole(file, &format!("{text}\n"))?)
+    }
+
+    /// The scene of the sensor that it is of.
+    ///
+    /// # Errors
+    /// A scene that is none.
+    pub fn own_scene(&self) -> Result<LoadedScene, SceneError> {
+        parse(&self.scene, Path::new("calibration.toml"))
+    }
+
+    /// All unknowns, each with the keys of the scene that it stands for.
+    pub fn unknowns(&self) -> impl Iterator<Item = (&Unknown, &[String])> {
+        self.learnt.scored.unknowns.iter().zip(self.keys.iter().map(Vec::as_slice))
+    }
+
+    /// Whether it tells of frames that there is no inclusion.
+    pub fn knows_empty(&self) -> bool {
+        self.empty.is_some()
     }
 
     /// The sensor's camera, as its scene has it, and the wavelength of its light, nm.

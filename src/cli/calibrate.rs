@@ -5,9 +5,8 @@ use super::command::described;
 use super::flags::positive;
 use super::sweep::How;
 use super::{Failure, Outcome, cancel, note, print};
-use crate::calibrate::{CalibrateError, CalibrationFile, FrameModel, Inclusion, Limits, Protocol, Training};
+use crate::calibrate::{CalibrateError, CalibrationFile, FrameModel, Inclusion, Limits, Protocol};
 use crate::figure::Figure;
-use crate::output::write_whole;
 use crate::pages::bound::{self, Row};
 use clap::Args;
 use serde_json::json;
@@ -55,34 +54,23 @@ impl Calibrate {
         let parts = CalibrationFile::load(&self.calibration)?.calibrate;
         let name = self.calibration.file_stem().unwrap_or_default();
         let out = self.how.place_or(|| PathBuf::from("out").join(name));
-        let mut work = self.how.parts(&out);
-        let design = work.part(&parts.design, "design")?;
-        let leds = parts.leds.as_deref().map(|leds| work.part(leds, "leds")).transpose()?;
-        let empty = parts.empty.as_deref().map(|empty| work.part(empty, "empty")).transpose()?;
-        if !work.is_whole {
+        let folders = self.how.parts(&out, |work| parts.folders(work))?;
+        if !folders.is_whole {
             return self.wait(&out);
         }
-        let design = Training::read(&design)?;
-        let leds = leds.as_deref().map(Training::read).transpose()?;
-        let empty = empty.as_deref().map(Training::read).transpose()?;
+        let trainings = folders.read()?;
+        let phantoms = trainings.design.points.len();
         if !self.how.is_quiet() {
-            note(&format!("learning from {} phantoms", design.points.len()));
+            note(&format!("learning from {phantoms} phantoms"));
         }
-        let model = FrameModel::learn(&design, leds.as_ref(), empty.as_ref())?;
-        let file = out.join(FILE);
-        let text = serde_json::to_string(&model);
-        let text = text.map_err(|error| Failure::failed(format!("{}: {error}", file.display())))?;
-        FrameModel::parse(&text, &file)?;
-        write_whole(&file, &format!("{text}\n"))?;
-        let told = json!({"phantoms": design.points.len(), "scores": model.scores(), "file": file});
+        let (model, file) = (trainings.learn()?, out.join(FILE));
+        model.write(&file)?;
+        let told = json!({"phantoms": phantoms, "scores": model.scores(), "file": file});
         match self.how.is_json() {
             true => print(&described(told, Some(&out)).to_string())?,
-            false => print(&format!(
-                "learnt from {} phantoms, by {} scores\n{}",
-                design.points.len(),
-                model.scores(),
-                file.display()
-            ))?,
+            false => {
+                print(&format!("learnt from {phantoms} phantoms, by {} scores\n{}", model.scores(), file.display()))?
+            }
         }
         Ok(Outcome::Done)
     }
@@ -138,6 +126,7 @@ impl From<CalibrateError> for Failure {
         match error {
             CalibrateError::Folder(error) => error.into(),
             CalibrateError::Image(error) => error.into(),
+            CalibrateError::Output(error) => error.into(),
             CalibrateError::Fit(_) => Self::failed(error.to_string()),
             CalibrateError::Unsuited { ref folder, .. } => {
                 let folder = folder.clone();

@@ -335,7 +335,7 @@ impl From<PressError> for Failure {
 impl From<ScanError> for Failure {
     fn from(error: ScanError) -> Self {
         match error {
-            ScanError::Mesh(_) | ScanError::Material(_) => Self::input(error.to_string()),
+            ScanError::Mesh(_) | ScanError::Material(_) | ScanError::Truth(_) => Self::input(error.to_string()),
             ScanError::File(file) => file.into(),
             ScanError::Position { .. } | ScanError::Force { .. } | ScanError::Frames(_) => {
                 Self::failed(error.to_string())

@@ -7,8 +7,8 @@ use super::{Failure, Outcome, Talk, note, print};
 use crate::film::Film;
 use crate::image_io::{Provenance, read_radiance};
 use crate::output::OutputFolder;
-use crate::pages::exposure::Exposure;
-use crate::scene::{LoadedScene, load_alone, open, validate};
+use crate::pages::exposure::{Exposure, changed};
+use crate::scene::{LoadedScene, load_alone, open};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -65,7 +65,7 @@ impl Expose {
     /// The scene with the flags in place of what it says of exposure and bits.
     fn scene(&self) -> Result<LoadedScene, Failure> {
         let beside = self.folder.join("scene.toml");
-        let mut loaded = match &self.scene {
+        let loaded = match &self.scene {
             Some(scene) => open(scene)?.0,
             None if beside.is_file() => load_alone(&beside)?,
             None => {
@@ -74,11 +74,8 @@ impl Expose {
                 return Err(Failure::usage(message).in_file(&self.folder));
             }
         };
-        let sensor = &mut loaded.scene.camera.sensor;
-        sensor.exposure_ms = self.exposure_ms.unwrap_or(sensor.exposure_ms);
-        sensor.bit_depth = self.bit_depth.unwrap_or(sensor.bit_depth);
-        validate(&loaded.scene).map_err(|broken| Failure::usage(broken.to_string()).at_key(broken.key))?;
-        Ok(loaded)
+        changed(loaded, self.exposure_ms, self.bit_depth)
+            .map_err(|broken| Failure::usage(broken.to_string()).at_key(broken.key))
     }
 
     fn expose(
@@ -92,9 +89,7 @@ impl Expose {
         if other && !self.talk.quiet {
             note(&format!("{}: was rendered of another scene file; the camera is that of this one", image.display()));
         }
-        let seed = self.seed.or(provenance.and_then(|origin| origin.sensor_seed));
-        let seed = seed.unwrap_or(loaded.scene.render.seed);
-        Exposure::of(loaded, film, seed)
+        Exposure::of(loaded, film, provenance, self.seed)
             .map_err(|error| Failure::input(format!("{}: {error}", image.display())).in_file(image))
     }
 }

@@ -1,22 +1,13 @@
 //! `inspect`: what was understood of a scene, and what a render of it would do.
 
-use super::job::{Job, check_light, open_with, watched};
-use super::pressing::PressFailure;
+use super::job::{check_light, open_with, watched};
 use super::{Failure, Outcome, Talk, print};
-use crate::mechanics::from_scene::press_cost;
-use crate::pages::facts::columns;
-use crate::pages::inspection::{Device, Seen, cost_json, cost_text};
-use crate::pages::regimes::layers;
-use crate::pages::truth::{loads, phantom_rows};
-use crate::pipeline::{Prepared, Truth};
-use crate::scene::LoadedScene;
-use crate::streams::{Role, Streams};
-use crate::trace::gains::{Gain, gains, small};
-use crate::trace::{BackendChoice, Devices, Kernel, Plan, Precision};
+use crate::pages::inspection::Inspection;
+use crate::trace::{BackendChoice, Devices, Precision};
 use crate::vary::Set;
 use clap::Args;
-use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Show what was understood of a scene: angles, regimes, kernel pieces, adapter.
 #[derive(Debug, Args)]
@@ -40,56 +31,23 @@ pub(super) struct Inspect {
 impl Inspect {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (loaded, file) = open_with(&self.scene, &self.set)?;
-        if check_light(&loaded, &file).is_err() && !self.gains {
-            return self.mechanics(&loaded, &file).map(|()| Outcome::Done);
+        if self.gains {
+            check_light(&loaded, &file)?;
         }
-        check_light(&loaded, &file)?;
-        let prepared = Job::sketch(&self.scene, &self.set)?;
-        let model = &prepared.model;
+        let of_scene = |error| Failure::of_scene(error, &file);
         let devices = Devices::open(BackendChoice::Auto, Precision::F32);
-        let kernel = Kernel::of(model);
-        let plan = Plan::choose(prepared.settings.integrator, &kernel)?;
-        let device = Device::of(&devices, model);
-        let press = press_cost(&loaded).map_err(|error| PressFailure::of(error, &file).failure)?;
-        let gains = if self.gains { Some(self.measure(&devices?, &prepared)?) } else { None };
-        let truth = truth_of(&loaded)?;
-        let seen = Seen { layers: layers(&prepared), prepared: &prepared, kernel, plan, device, press, truth, gains };
+        let seen = watched(true, |observe| Inspection::of(Arc::new(loaded), devices.as_ref(), observe));
+        let mut seen = seen.map_err(of_scene)?;
+        let mut same = true;
+        if self.gains {
+            let devices = devices?;
+            let measured = watched(self.talk.quiet, |observe| seen.measure_gains(&devices, self.rounds, observe));
+            same = measured.map_err(of_scene)?;
+        }
         match self.talk.json {
             true => print(&seen.json()?.to_string())?,
             false => print(&seen.text()?)?,
         }
-        let same = seen.gains.iter().flatten().all(|gain| gain.same_image);
         Ok(if same { Outcome::Done } else { Outcome::CheckFailed })
     }
-
-    /// What a scene without light does: its press.
-    fn mechanics(&self, loaded: &LoadedScene, file: &Path) -> Result<(), Failure> {
-        let (scene, press) =
-            (&loaded.scene, press_cost(loaded).map_err(|error| PressFailure::of(error, file).failure)?);
-        if self.talk.json {
-            let light = json!({"undefined": "an indenter guides no light"});
-            let press = press.map(|cost| cost_json(&cost));
-            let (truth, description) = (truth_of(loaded)?, &scene.description);
-            let said = json!({
-                "scene": scene.name, "description": description, "light": light, "truth": truth, "press": press
-            });
-            return print(&said.to_string());
-        }
-        let light = ("light".to_owned(), "none: an indenter presses in the sensor's place".to_owned());
-        let press = press.map(|cost| ("press".to_owned(), cost_text(&cost)));
-        let loads = scene.press.as_ref().map(|press| ("loads".to_owned(), loads(press)));
-        let rows: Vec<_> =
-            std::iter::once(light).chain(phantom_rows(&truth_of(loaded)?)).chain(loads).chain(press).collect();
-        print(&format!("{}: {}\n\n{}", scene.name, scene.description, columns(&rows)))
-    }
-
-    fn measure(&self, devices: &Devices, prepared: &Prepared) -> Result<Vec<Gain>, Failure> {
-        let (model, settings) = small(&prepared.model, &prepared.settings);
-        let other = Streams { role: Role::Timing, ..prepared.streams.clone() };
-        Ok(watched(self.talk.quiet, |observe| gains(devices, &model, &settings, other.light(), self.rounds, observe))?)
-    }
-}
-
-fn truth_of(loaded: &LoadedScene) -> Result<Truth, Failure> {
-    Ok(Truth::of(loaded.scene.phantom.as_ref(), &loaded.files, false)?)
 }

@@ -37,24 +37,6 @@ pub(super) fn check_light(loaded: &LoadedScene, file: &Path) -> Result<(), Failu
 impl Job {
     /// Loads a scene, checks that the flags suit it, and opens what traces, before any work.
     pub fn read(source: &Path, common: &Common) -> Result<Self, Failure> {
-        let job = Self::new(source, common, || common.devices())?;
-        check_light(&job.loaded, &job.file)?;
-        Ok(job)
-    }
-
-    /// A look at a scene, which traces nothing.
-    pub fn sketch(source: &Path, set: &[Set]) -> Result<Prepared, Failure> {
-        let common = Common { set: set.to_vec(), ..Common::default() };
-        let mut job = Self::new(source, &common, || Ok(Devices::cpu(Precision::F32)))?;
-        (job.order.sketch, job.quiet) = (true, true);
-        job.prepare()
-    }
-
-    fn new(
-        source: &Path,
-        common: &Common,
-        devices: impl FnOnce() -> Result<Devices, Failure>,
-    ) -> Result<Self, Failure> {
         let (loaded, file) = open_with(source, &common.set)?;
         let order = Order {
             settings: common.settings(&loaded.scene.render),
@@ -66,7 +48,9 @@ impl Job {
             let message = format!("{}: --without-inclusions needs a scene with a [press]", file.display());
             return Err(Failure::usage(message).in_file(&file));
         }
-        Ok(Self { loaded: Arc::new(loaded), session: devices()?.into(), order, file, quiet: common.talk.quiet })
+        let session = common.devices()?.into();
+        check_light(&loaded, &file)?;
+        Ok(Self { loaded: Arc::new(loaded), session, order, file, quiet: common.talk.quiet })
     }
 
     /// Name of the scene.

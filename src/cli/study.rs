@@ -90,10 +90,12 @@ impl Study {
 
     /// Folders of the phantoms with inclusions and, where they are asked for, without.
     fn folders(&self, parts: &Parts, out: &Path) -> Result<(PathBuf, Option<PathBuf>), Failure> {
-        let mut work = self.how.parts(out);
-        let phantoms = work.part(&parts.phantoms, "phantoms")?;
-        let empty = parts.empty.as_deref().map(|empty| work.part(empty, "empty")).transpose()?;
-        if !work.is_whole && !self.how.is_quiet() {
+        let (phantoms, empty, is_whole) = self.how.parts(out, |work| {
+            let phantoms = work.part(&parts.phantoms, "phantoms")?;
+            let empty = parts.empty.as_deref().map(|empty| work.part(empty, "empty")).transpose()?;
+            Ok((phantoms, empty, work.is_whole))
+        })?;
+        if !is_whole && !self.how.is_quiet() {
             note("not all points are there yet: the study is of those that are");
         }
         Ok((phantoms, empty))

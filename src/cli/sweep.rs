@@ -10,7 +10,7 @@ use crate::pages::sweep::{text, write};
 use crate::pipeline::Session;
 use crate::scene::open;
 use crate::sweep::slurm;
-use crate::sweep::{Options, Status, Sweep, SweepError, SweepFolderError, by_hand, run};
+use crate::sweep::{NoScene, Options, Parts, Status, Sweep, SweepError, SweepFolderError, by_hand, run};
 use crate::trace::{Devices, Precision};
 use clap::{Args, Subcommand, ValueEnum as _};
 use serde_json::json;
@@ -111,28 +111,6 @@ pub(super) struct How {
     talk: Talk,
 }
 
-/// The sweeps of a larger work.
-pub(super) struct Parts<'a> {
-    how: &'a How,
-    out: &'a Path,
-    /// Whether all points of all parts have ended.
-    pub is_whole: bool,
-}
-
-impl Parts<'_> {
-    /// The folder of a part: one of a sweep that is there, or one of this name in which the sweep file is computed.
-    pub fn part(&mut self, part: &Path, name: &str) -> Result<PathBuf, Failure> {
-        if part.is_dir() {
-            let (sweep, records) = Sweep::of_folder(part)?;
-            self.is_whole &= Status::of(&sweep, &records).ended() >= sweep.plan.count();
-            return Ok(part.to_path_buf());
-        }
-        let folder = self.out.join(name);
-        self.is_whole &= self.how.part(&Sweep::load(part)?, &folder)?;
-        Ok(folder)
-    }
-}
-
 /// A folder with records.
 #[derive(Debug, Args)]
 struct OfFolder {
@@ -229,12 +207,7 @@ impl How {
         }
         let (records, before) = self.compute(sweep, &place, resume)?;
         let status = write(sweep, &records, &command_line())?;
-        let (seconds, computed) = (start.elapsed().as_secs_f64(), status.ended().saturating_sub(before));
-        let mut result = json!(status);
-        result["name"] = json!(sweep.name);
-        result["seconds"] = json!(seconds);
-        result["points_per_minute"] = json!(60.0 * computed as f64 / seconds);
-        let result = described(result, Some(&place));
+        let result = described(status.run_json(sweep, start.elapsed().as_secs_f64(), before), Some(&place));
         records.write(RESULT, &format!("{result:#}\n"))?;
         match self.talk.json {
             true => print(&result.to_string())?,
@@ -253,21 +226,24 @@ impl How {
         }
         let records = self.records(sweep, place, resume)?;
         let before = Status::of(sweep, &records).ended();
-        let cores = std::thread::available_parallelism().map_or(2, usize::from);
-        let workers = self.workers.map_or(cores.div_ceil(2), |workers| workers as usize);
+        let workers = self.workers.map_or(Options::default().workers, |workers| workers as usize);
         let options = Options { workers, shard: self.shard.map(|Shard(k, n)| (k, n)), retry: self.retry };
         let session = Session::from(devices);
         watched(self.talk.quiet, |observe| run(sweep, &records, &session, options, observe))?;
         Ok((records, before))
     }
 
-    /// The sweeps of a larger work, in folders of `out`.
-    pub(super) fn parts<'a>(&'a self, out: &'a Path) -> Parts<'a> {
-        Parts { how: self, out, is_whole: true }
+    /// Does with the sweeps of a larger work, in folders of `out`, what is asked for.
+    pub(super) fn parts<T>(
+        &self,
+        out: &Path,
+        work: impl FnOnce(&mut Parts<'_, Failure>) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        work(&mut Parts::new(out, &mut |sweep, place| self.part(sweep, place)))
     }
 
-    /// Does for a part of a larger work what is asked for, here or by a job array; whether all its points have ended.
-    fn part(&self, sweep: &Sweep, place: &Path) -> Result<bool, Failure> {
+    /// Computes a part of a larger work, here or by a job array.
+    fn part(&self, sweep: &Sweep, place: &Path) -> Result<Status, Failure> {
         let records = match self.engine {
             Engine::Local => self.compute(sweep, place, place.is_dir())?.0,
             Engine::Slurm => {
@@ -276,7 +252,7 @@ impl How {
                 records
             }
         };
-        Ok(Status::of(sweep, &records).ended() >= sweep.plan.count())
+        Ok(Status::of(sweep, &records))
     }
 
     /// The folder that was asked for, or another.
@@ -304,10 +280,8 @@ impl How {
     }
 
     fn records(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<Records, Failure> {
-        let records = Records::join(place, &sweep.order(), self.force, resume)?;
+        let records = sweep.enter(place, self.force, resume)?;
         leftovers().keep(format!("what was done is in {}: go on with --resume", place.display()));
-        records.write("sweep.toml", &sweep.text)?;
-        records.write("scene.toml", &sweep.base.text)?;
         Ok(records)
     }
 
@@ -332,9 +306,8 @@ impl How {
     fn send(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<Outcome, Failure> {
         let (records, job, sent) = self.job(sweep, place, resume)?;
         let said = sent.unwrap_or_else(|| unsent(place, job.tasks));
-        let status = Status::of(sweep, &records);
-        let mut result = json!(status);
-        (result["name"], result["tasks"], result["sent"]) = (json!(sweep.name), json!(job.tasks), json!(self.submit));
+        let mut result = Status::of(sweep, &records).json(sweep);
+        (result["tasks"], result["sent"]) = (json!(job.tasks), json!(self.submit));
         let result = described(result, Some(place));
         print(if self.talk.json { result.to_string() } else { said }.as_str())?;
         Ok(Outcome::Done)
@@ -358,10 +331,8 @@ impl OfFolder {
     }
 
     fn tell(&self, sweep: &Sweep, status: &Status) -> Result<Outcome, Failure> {
-        let mut result = json!(status);
-        result["name"] = json!(sweep.name);
         match self.talk.json {
-            true => print(&described(result, Some(&self.folder)).to_string())?,
+            true => print(&described(status.json(sweep), Some(&self.folder)).to_string())?,
             false => print(&text(sweep, status, &self.folder.display().to_string()))?,
         }
         Ok(Outcome::Done)
@@ -370,31 +341,17 @@ impl OfFolder {
 
 impl SceneOf {
     fn print(&self) -> Result<Outcome, Failure> {
-        let sweep = match self.sweep.is_dir() {
-            true => Sweep::of_folder(&self.sweep)?.0,
-            false => Sweep::load(&self.sweep)?,
-        };
-        if self.row >= sweep.plan.count() {
-            let message = format!(
-                "{}: has {} points, from 0; there is no row {}",
-                self.sweep.display(),
-                sweep.plan.count(),
-                self.row
-            );
-            return Err(Failure::usage(message).in_file(&self.sweep));
-        }
-        let point = sweep.plan.point(self.row);
-        let scene = point.map_err(|reason| rejected(&self.sweep, self.row, &reason)).and_then(|point| {
-            let text = sweep.plan.scene_text(&sweep.base.text, &point);
-            text.map_err(|broken| rejected(&self.sweep, self.row, &broken.to_string()))
+        let scene = Sweep::open(&self.sweep)?.scene_text(self.row).map_err(|error| {
+            let words = format!("{}: {error}", self.sweep.display());
+            let failure = match error {
+                NoScene::Row { .. } => Failure::usage(words),
+                NoScene::Rejected { .. } => Failure::input(words),
+            };
+            failure.in_file(&self.sweep)
         })?;
         print(&scene)?;
         Ok(Outcome::Done)
     }
-}
-
-fn rejected(file: &Path, row: usize, reason: &str) -> Failure {
-    Failure::input(format!("{}: point {row} makes no scene: {reason}", file.display())).in_file(file)
 }
 
 impl From<SweepError> for Failure {

@@ -10,20 +10,35 @@ use thiserror::Error;
 /// The error of what a page is made of.
 #[derive(Debug, Error)]
 pub enum PageError {
+    /// A picture that cannot be drawn.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// A camera that does not see the face.
     #[error(transparent)]
     Projection(#[from] ProjectionError),
+    /// An image that cannot be read or written.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// A file that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// An extreme case that cannot be computed.
     #[error(transparent)]
     Case(#[from] StabilityError),
     /// A file of the press.
     #[error("{file}: {error}")]
-    Vtu { file: String, error: VtuError },
+    Vtu {
+        /// Its name.
+        file: String,
+        /// Why it cannot be made.
+        error: VtuError,
+    },
     /// A table.
     #[error("{file}: {error}")]
-    Table { file: &'static str, error: csv::Error },
+    Table {
+        /// Its name.
+        file: &'static str,
+        /// Why it cannot be made.
+        error: csv::Error,
+    },
 }

@@ -4,26 +4,55 @@ use super::facts::{columns, figure};
 use crate::camera::exposure::ExposureError;
 use crate::camera::{Frame, Suited, expose};
 use crate::film::Film;
+use crate::image_io::Provenance;
 use crate::pipeline::{CameraSummary, view_of};
 use crate::report::{ColorScale, PictureError, Raster, false_color};
-use crate::scene::LoadedScene;
+use crate::scene::{Invalid, LoadedScene, validate};
 use serde_json::{Value, json};
 
 /// A frame and what it was made of.
 pub struct Exposure {
+    /// The scene whose camera it is of.
     pub loaded: LoadedScene,
+    /// Grey levels.
     pub frame: Frame,
+    /// Whether the exposure time suits the light.
     pub suited: Suited,
+    /// Scale at the touched face, mm.
     pub mm_per_pixel: f64,
+    /// Seed of the sensor's noise.
     pub seed: u32,
 }
 
+/// A scene with another exposure time, ms, or other bits of a grey value, where they are given.
+///
+/// # Errors
+/// Numbers that no camera has.
+pub fn changed(
+    mut loaded: LoadedScene,
+    exposure_ms: Option<f64>,
+    bit_depth: Option<u32>,
+) -> Result<LoadedScene, Invalid> {
+    let sensor = &mut loaded.scene.camera.sensor;
+    sensor.exposure_ms = exposure_ms.unwrap_or(sensor.exposure_ms);
+    sensor.bit_depth = bit_depth.unwrap_or(sensor.bit_depth);
+    validate(&loaded.scene)?;
+    Ok(loaded)
+}
+
 impl Exposure {
-    /// Exposes a film with a scene's camera; `seed` is that of the sensor's noise.
+    /// Exposes a film with a scene's camera; `seed` is that of the sensor's noise. Without one it is that of the frame
+    /// made when the film was traced, or the scene's where that is not known.
     ///
     /// # Errors
     /// When the film is not one that the camera sees.
-    pub fn of(loaded: LoadedScene, film: &Film, seed: u32) -> Result<Self, ExposureError> {
+    pub fn of(
+        loaded: LoadedScene,
+        film: &Film,
+        origin: Option<&Provenance>,
+        seed: Option<u32>,
+    ) -> Result<Self, ExposureError> {
+        let seed = seed.or(origin.and_then(|origin| origin.sensor_seed)).unwrap_or(loaded.scene.render.seed);
         let (camera, wavelength_nm) = (&loaded.scene.camera, loaded.scene.light.wavelength_nm);
         let frame = expose(film, camera, wavelength_nm, seed)?;
         let suited = Suited::of(film, camera, wavelength_nm)?;
@@ -32,6 +61,9 @@ impl Exposure {
     }
 
     /// The camera image in false colour.
+    ///
+    /// # Errors
+    /// A frame that cannot be drawn.
     pub fn picture(&self) -> Result<String, PictureError> {
         let values: Vec<f64> = self.frame.grey.iter().map(|&grey| f64::from(grey)).collect();
         let (width, height) = (self.frame.width as usize, self.frame.height as usize);
@@ -40,6 +72,7 @@ impl Exposure {
         false_color(&format!("{}: camera", self.loaded.scene.name), &raster, ColorScale::Linear)
     }
 
+    /// For programs.
     pub fn json(&self) -> Value {
         let sensor = &self.loaded.scene.camera.sensor;
         json!({
@@ -51,6 +84,7 @@ impl Exposure {
         })
     }
 
+    /// For people.
     pub fn text(&self, out: &str) -> String {
         let sensor = &self.loaded.scene.camera.sensor;
         let row = |name: &str, value: String| (name.to_owned(), value);

@@ -1,20 +1,132 @@
 //! What was understood of a scene, and what a render of it would do.
 
 use super::facts::{columns, figure};
-use super::regimes::{LayerAngles, regimes};
+use super::regimes::{LayerAngles, layers, regimes};
 use super::truth::{loads, phantom_rows};
 use crate::camera::ProjectionError;
+use crate::mechanics::from_scene::press_cost;
 use crate::mechanics::memory::limit_gib;
 use crate::mechanics::press::Cost;
-use crate::pipeline::{Prepared, Truth, method_name, view_of};
+use crate::pipeline::{PipelineError, Prepared, Truth, guides_light, look, method_name, view_of};
+use crate::progress::Observer;
+use crate::scene::LoadedScene;
+use crate::streams::{Role, Streams};
 use crate::surface::Surface;
-use crate::trace::gains::Gain;
+use crate::trace::gains::{Gain, gains, small};
 use crate::trace::{Devices, Kernel, Method, Model, Plan, TraceError};
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::sync::Arc;
+
+/// What was understood of a scene.
+pub struct Inspection(What);
+
+enum What {
+    /// A scene that guides light.
+    Seen(Box<Seen>),
+    /// An indenter that presses in the sensor's place.
+    Unlit(Box<Unlit>),
+}
+
+impl Inspection {
+    /// Looks at a scene, which traces nothing: it is pressed on a coarse mesh. `devices` are what would trace it, or
+    /// why there is nothing that could.
+    ///
+    /// # Errors
+    /// A scene that cannot be pressed or traced; a look that `observe` stops.
+    pub fn of(
+        loaded: Arc<LoadedScene>,
+        devices: Result<&Devices, &TraceError>,
+        observe: &mut Observer,
+    ) -> Result<Self, PipelineError> {
+        if guides_light(&loaded).is_err() {
+            let (press, truth) = (press_cost(&loaded)?, truth_of(&loaded)?);
+            return Ok(Self(What::Unlit(Box::new(Unlit { loaded, press, truth }))));
+        }
+        let prepared = look(loaded.clone(), observe)?;
+        let kernel = Kernel::of(&prepared.model);
+        let plan = Plan::choose(prepared.settings.integrator, &kernel)?;
+        let device = Device::of(devices, &prepared.model);
+        let (layers, press, truth) = (layers(&prepared), press_cost(&loaded)?, truth_of(&loaded)?);
+        let seen = Seen { prepared, layers, kernel, plan, device, press, truth, gains: None };
+        Ok(Self(What::Seen(Box::new(seen))))
+    }
+
+    /// Measures what it gains to leave out what the scene does not need: small images with each piece and without, in
+    /// so many rounds. Whether the images agree.
+    ///
+    /// # Errors
+    /// A scene without light; what the tracer says.
+    pub fn measure_gains(
+        &mut self,
+        devices: &Devices,
+        rounds: u32,
+        observe: &mut Observer,
+    ) -> Result<bool, PipelineError> {
+        let What::Seen(seen) = &mut self.0 else { return Err(PipelineError::NoLight) };
+        let (model, settings) = small(&seen.prepared.model, &seen.prepared.settings);
+        let other = Streams { role: Role::Timing, ..seen.prepared.streams.clone() };
+        let found = gains(devices, &model, &settings, other.light(), rounds, observe)?;
+        let same = found.iter().all(|gain| gain.same_image);
+        seen.gains = Some(found);
+        Ok(same)
+    }
+
+    /// For programs.
+    ///
+    /// # Errors
+    /// A camera that does not see the face.
+    pub fn json(&self) -> Result<Value, ProjectionError> {
+        match &self.0 {
+            What::Seen(seen) => seen.json(),
+            What::Unlit(unlit) => Ok(unlit.json()),
+        }
+    }
+
+    /// For people.
+    ///
+    /// # Errors
+    /// As [`Self::json`].
+    pub fn text(&self) -> Result<String, ProjectionError> {
+        match &self.0 {
+            What::Seen(seen) => seen.text(),
+            What::Unlit(unlit) => Ok(unlit.text()),
+        }
+    }
+}
+
+fn truth_of(loaded: &LoadedScene) -> Result<Truth, PipelineError> {
+    Ok(Truth::of(loaded.scene.phantom.as_ref(), &loaded.files, false)?)
+}
+
+/// What a scene without light does: its press.
+struct Unlit {
+    loaded: Arc<LoadedScene>,
+    press: Option<Cost>,
+    truth: Truth,
+}
+
+impl Unlit {
+    fn json(&self) -> Value {
+        let (scene, press) = (&self.loaded.scene, self.press.map(|cost| cost_json(&cost)));
+        let light = json!({"undefined": "an indenter guides no light"});
+        json!({
+            "scene": scene.name, "description": scene.description, "light": light, "truth": self.truth, "press": press
+        })
+    }
+
+    fn text(&self) -> String {
+        let scene = &self.loaded.scene;
+        let light = ("light".to_owned(), "none: an indenter presses in the sensor's place".to_owned());
+        let press = self.press.map(|cost| ("press".to_owned(), cost_text(&cost)));
+        let loads = scene.press.as_ref().map(|press| ("loads".to_owned(), loads(press)));
+        let rows: Vec<_> = std::iter::once(light).chain(phantom_rows(&self.truth)).chain(loads).chain(press).collect();
+        format!("{}: {}\n\n{}", scene.name, scene.description, columns(&rows))
+    }
+}
 
 /// What a press will take, for programs.
-pub fn cost_json(cost: &Cost) -> Value {
+fn cost_json(cost: &Cost) -> Value {
     json!({
         "elements": cost.elements,
         "dofs": cost.unknowns,
@@ -26,7 +138,7 @@ pub fn cost_json(cost: &Cost) -> Value {
 }
 
 /// The same for people.
-pub fn cost_text(cost: &Cost) -> String {
+fn cost_text(cost: &Cost) -> String {
     let fits = if cost.memory_gib <= limit_gib() { "of" } else { "MORE THAN" };
     format!(
         "{} elements, {} unknowns by {}: at most {} GiB, {fits} {} that may be had; about {} s, to a factor of 3",
@@ -40,17 +152,17 @@ pub fn cost_text(cost: &Cost) -> String {
 }
 
 /// Where a render would compute.
-pub struct Device {
-    pub backend: Option<&'static str>,
-    pub adapter: String,
+struct Device {
+    backend: Option<&'static str>,
+    adapter: String,
     /// Why not on a GPU.
-    pub notice: Option<String>,
+    notice: Option<String>,
 }
 
 impl Device {
     /// Of the devices that were opened, if they can trace the model.
-    pub fn of(devices: &Result<Devices, TraceError>, model: &Model<f64>) -> Self {
-        let backend = devices.as_ref().map_err(ToString::to_string).and_then(|devices| {
+    fn of(devices: Result<&Devices, &TraceError>, model: &Model<f64>) -> Self {
+        let backend = devices.map_err(ToString::to_string).and_then(|devices| {
             let backend = devices.load(model).map_err(|error| error.to_string())?;
             Ok((backend, devices.notice()))
         });
@@ -63,19 +175,19 @@ impl Device {
     }
 }
 
-/// All that `inspect` shows.
-pub struct Seen<'a> {
-    pub prepared: &'a Prepared,
-    pub layers: Vec<LayerAngles>,
-    pub kernel: Kernel,
-    pub plan: Plan,
-    pub device: Device,
-    pub press: Option<Cost>,
-    pub truth: Truth,
-    pub gains: Option<Vec<Gain>>,
+/// What a scene that guides light does.
+struct Seen {
+    prepared: Prepared,
+    layers: Vec<LayerAngles>,
+    kernel: Kernel,
+    plan: Plan,
+    device: Device,
+    press: Option<Cost>,
+    truth: Truth,
+    gains: Option<Vec<Gain>>,
 }
 
-impl Seen<'_> {
+impl Seen {
     /// The cone that every layer traps: twice the acceptance of the layer that accepts least.
     fn launch_cone_deg(&self) -> f64 {
         2.0 * self.layers.iter().map(|layer| layer.acceptance_deg).fold(90.0, f64::min)
@@ -107,8 +219,7 @@ impl Seen<'_> {
         [2 * (16 * pixels + 4 * control) + deposits, 64 * pixels + deposits + 8 * control]
     }
 
-    /// For programs.
-    pub fn json(&self) -> Result<Value, ProjectionError> {
+    fn json(&self) -> Result<Value, ProjectionError> {
         let scene = self.prepared.scene();
         let [device, program] = self.memory();
         Ok(json!({
@@ -116,7 +227,7 @@ impl Seen<'_> {
             "description": scene.description,
             "layers": self.layers,
             "launch_cone_deg": self.launch_cone_deg(),
-            "regimes": regimes(self.prepared, &self.layers),
+            "regimes": regimes(&self.prepared, &self.layers),
             "surface": self.prepared.surface.name(),
             "integrator": self.plan.method.name(),
             "why": self.plan.why,
@@ -143,8 +254,7 @@ impl Seen<'_> {
         format!("\n  with what is left out, on a small image:\n{}", columns(&rows))
     }
 
-    /// For people.
-    pub fn text(&self) -> Result<String, ProjectionError> {
+    fn text(&self) -> Result<String, ProjectionError> {
         let scene = self.prepared.scene();
         let width = self.layers.iter().map(|layer| layer.name.chars().count()).max().unwrap_or(0).max(5);
         let mut text = format!("{}: {}\n\n", scene.name, scene.description);
@@ -166,7 +276,7 @@ impl Seen<'_> {
             "\n  light from the edge is trapped within a cone of {:.3} degrees\n",
             self.launch_cone_deg()
         );
-        for regime in regimes(self.prepared, &self.layers) {
+        for regime in regimes(&self.prepared, &self.layers) {
             let _ = writeln!(text, "  - {regime}");
         }
         let [device, program] = self.memory().map(|bytes| figure(bytes as f64 / f64::from(1 << 20)));

@@ -2,30 +2,30 @@
 //!
 //! The command line prints and writes them; `report` draws. Nothing here knows of flags or terminals.
 
-pub mod bound;
-pub mod comparison;
-pub mod converge;
-pub mod difference;
+pub(crate) mod bound;
+pub(crate) mod comparison;
+pub(crate) mod converge;
+pub(crate) mod difference;
 mod error;
 mod explore;
 pub mod exposure;
-pub mod facts;
+pub(crate) mod facts;
 pub mod frames;
-pub mod images;
+pub(crate) mod images;
 pub mod inspection;
-pub mod paper_study;
-pub mod press;
-pub mod press_files;
+pub(crate) mod paper_study;
+pub(crate) mod press;
+pub(crate) mod press_files;
 mod press_vtu;
-pub mod regimes;
-pub mod run;
-pub mod sensor;
-pub mod shot;
-pub mod side;
-pub mod stability;
-pub mod study;
+pub(crate) mod regimes;
+pub(crate) mod run;
+pub(crate) mod sensor;
+pub(crate) mod shot;
+pub(crate) mod side;
+pub(crate) mod stability;
+pub(crate) mod study;
 pub mod sweep;
 mod tables;
-pub mod truth;
+pub(crate) mod truth;
 
 pub use error::PageError;

@@ -37,7 +37,7 @@ pub use error::PipelineError;
 pub use prepare::{Order, Prepared, model_of};
 pub use read::{ReadAs, Reading, Reference};
 pub use session::Session;
-pub(crate) use session::guides_light;
+pub(crate) use session::{guides_light, look};
 pub use shot::{Shot, view_of};
 pub use summary::{
     BlockError, CameraSummary, EarlierFrame, MapSummary, NO_MECHANICS, PaperSummary, PressSummary, RunSummary,

@@ -143,6 +143,12 @@ impl From<Devices> for Session {
     }
 }
 
+/// A look at a scene, which traces nothing and presses on a coarse mesh.
+pub(crate) fn look(loaded: Arc<LoadedScene>, observe: &mut Observer) -> Result<Prepared, PipelineError> {
+    let order = Order { sketch: true, ..Order::of(&loaded.scene) };
+    Session::from(Devices::cpu(Precision::F32)).prepare(loaded, &order, observe)
+}
+
 /// Refuses a scene whose light cannot be traced.
 pub(crate) fn guides_light(loaded: &LoadedScene) -> Result<(), PipelineError> {
     match &loaded.scene.press {

@@ -1,7 +1,7 @@
 //! The file of a sweep: a scene, what varies, constraints, the design of points and what is measured.
 
 use super::{Images, Measure};
-use crate::output::Records;
+use crate::output::{OutputError, Records};
 use crate::scene::{
     DataFileError, Input, Invalid, LoadedScene, SceneError, at_its_place, load, parse, parse_file, preset, read_text,
 };
@@ -153,24 +153,42 @@ impl Sweep {
     /// # Errors
     /// A file that cannot be read or is none, a rule that is broken, a key that leads nowhere in the scene.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
-        let text = read_text(path)?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let file = parse_file::<SweepFile>(&text, path, &schema(), rules)?.scene;
-        let placed = |broken: Invalid| at_its_place(&text, path, &broken);
+        Self::parse(&read_text(path)?, path)
+    }
+
+    /// The same of the text of a sweep file.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
+        let file = parse_file::<SweepFile>(text, path, &schema(), rules)?.scene;
         let (base, base_file) = match file.sweep.scene.strip_prefix("preset:") {
             Some(name) => (preset(name)?, PathBuf::from(format!("{name}.toml"))),
             None => {
-                let scene = folder.join(&file.sweep.scene);
+                let scene = beside(path, Path::new(&file.sweep.scene));
                 if !scene.is_file() {
                     let what = format!("names {}, which is not a file", scene.display());
-                    return Err(placed(Invalid::new("sweep.scene", what)));
+                    return Err(at_its_place(text, path, &Invalid::new("sweep.scene", what)));
                 }
                 (load(&scene)?, scene)
             }
         };
+        Self::of(file, text, path, base, base_file)
+    }
+
+    /// The same of a scene that is there already, in place of the one that the text names.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn of_scene(text: &str, path: &Path, base: LoadedScene, base_file: PathBuf) -> Result<Self, SceneError> {
+        Self::of(parse_file::<SweepFile>(text, path, &schema(), rules)?.scene, text, path, base, base_file)
+    }
+
+    fn of(file: SweepFile, text: &str, path: &Path, base: LoadedScene, base_file: PathBuf) -> Result<Self, SceneError> {
+        let placed = |broken: Invalid| at_its_place(text, path, &broken);
         let table = match &file.sweep.design {
             Design::Csv { file } => {
-                let input = Input::read(folder.join(file));
+                let input = Input::read(beside(path, file));
                 let text = input.map_err(|error: DataFileError| error.to_string()).and_then(|input| {
                     String::from_utf8(input.bytes.to_vec()).map_err(|_| format!("{} is no UTF-8", file.display()))
                 });
@@ -179,7 +197,7 @@ impl Sweep {
             _ => None,
         };
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Self::new(stem, file, text.clone(), base, base_file, table).map_err(placed)
+        Self::new(stem, file, text.to_owned(), base, base_file, table).map_err(placed)
     }
 
     /// A sweep from its parts.
@@ -237,6 +255,42 @@ impl Sweep {
         Ok(loaded)
     }
 
+    /// Reads a sweep file, or the sweep whose records a folder holds.
+    ///
+    /// # Errors
+    /// As [`Self::load`] and [`Self::of_folder`].
+    pub fn open(path: &Path) -> Result<Self, SweepFolderError> {
+        match path.is_dir() {
+            true => Ok(Self::of_folder(path)?.0),
+            false => Ok(Self::load(path)?),
+        }
+    }
+
+    /// The text of a point's scene file.
+    ///
+    /// # Errors
+    /// A row that there is not; why the point makes no scene.
+    pub fn scene_text(&self, row: usize) -> Result<String, NoScene> {
+        if row >= self.plan.count() {
+            return Err(NoScene::Row { row, points: self.plan.count() });
+        }
+        let rejected = |why: String| NoScene::Rejected { row, why };
+        let point = self.plan.point(row).map_err(rejected)?;
+        self.plan.scene_text(&self.base.text, &point).map_err(|broken| rejected(broken.to_string()))
+    }
+
+    /// Enters a folder as one worker of several, with a copy of the sweep and of its scene there. One that is not there
+    /// yet is made; one that is there is gone on with where `resume` asks for it, or replaced by `force`.
+    ///
+    /// # Errors
+    /// As [`Records::join`]; a file that cannot be written.
+    pub fn enter(&self, folder: &Path, force: bool, resume: bool) -> Result<Records, OutputError> {
+        let records = Records::join(folder, &self.order(), force, resume)?;
+        records.write("sweep.toml", &self.text)?;
+        records.write("scene.toml", &self.base.text)?;
+        Ok(records)
+    }
+
     /// All that its records depend on.
     pub fn order(&self) -> Value {
         // A preset has no place.
@@ -274,18 +328,44 @@ impl Sweep {
     }
 }
 
+/// Why there is no scene of a point.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NoScene {
+    /// There is no such row.
+    #[error("has {points} points, from 0; there is no row {row}")]
+    Row {
+        /// The row that was asked for.
+        row: usize,
+        /// Points of the sweep.
+        points: usize,
+    },
+    /// The point makes no scene.
+    #[error("point {row} makes no scene: {why}")]
+    Rejected {
+        /// Its row.
+        row: usize,
+        /// Why.
+        why: String,
+    },
+}
+
 /// Why a folder is not one of a sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepFolderError {
     /// It holds no records.
     #[error(transparent)]
-    Output(#[from] crate::output::OutputError),
+    Output(#[from] OutputError),
     /// Its files are of another version.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// Its order is not one of a sweep.
     #[error("{}: holds records of something else than a sweep", .0.display())]
     Strange(PathBuf),
+}
+
+/// A file that a sweep file names.
+fn beside(path: &Path, file: &Path) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).join(file)
 }
 
 /// The JSON schema (2020-12) of a sweep file.

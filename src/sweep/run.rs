@@ -30,6 +30,14 @@ pub struct Options {
     pub retry: bool,
 }
 
+impl Default for Options {
+    /// All points, half of the cores.
+    fn default() -> Self {
+        let cores = std::thread::available_parallelism().map_or(2, usize::from);
+        Self { workers: cores.div_ceil(2), shard: None, retry: false }
+    }
+}
+
 /// Why a sweep came to no end.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {

@@ -4,6 +4,7 @@ use super::record::item;
 use super::{Record, State, Sweep};
 use crate::output::{Item, Records};
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// How far a sweep is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -38,6 +39,21 @@ impl Status {
             }
         }
         status
+    }
+
+    /// With the name of the sweep, for programs.
+    pub fn json(&self, sweep: &Sweep) -> Value {
+        let mut told = json!(self);
+        told["name"] = json!(sweep.name);
+        told
+    }
+
+    /// The same of a run that took so many seconds, and found so many points ended.
+    pub fn run_json(&self, sweep: &Sweep, seconds: f64, before: usize) -> Value {
+        let (mut told, computed) = (self.json(sweep), self.ended().saturating_sub(before));
+        told["seconds"] = json!(seconds);
+        told["points_per_minute"] = json!(60.0 * computed as f64 / seconds);
+        told
     }
 
     /// Points that have a record.

@@ -1,10 +1,9 @@
 //! Where frames come from: a scene that is computed, or a measured table.
 
 use super::super::{Failure, Progress, cancel};
-use crate::mechanics::frames::scan::{ScanSettings, ScanSetup, scan};
+use crate::mechanics::frames::scan::ScanSetup;
 use crate::mechanics::frames::{Frames, read_frames};
-use crate::pages::frames::Source;
-use crate::pipeline::Truth;
+use crate::pages::frames::{Source, setup_of};
 use crate::scene::{LoadedScan, open_scan};
 use std::path::{Path, PathBuf};
 
@@ -25,9 +24,7 @@ pub(super) fn read(scene: Option<&Path>, measured: Option<&Path>) -> Result<Inpu
                 true => failure,
                 false => failure.prefixed(&file.display().to_string()).in_file(&file),
             };
-            let setup = ScanSetup::from_scene(&loaded).map_err(|error| place(error.into()))?;
-            // What cannot be meshed shows before the work.
-            setup.tissue.build_2d().map_err(|error| place(Failure::input(error.to_string())))?;
+            let setup = setup_of(&loaded).map_err(|error| place(error.into()))?;
             Ok(Input::Scene(Box::new((loaded, setup, file))))
         }
         (None, Some(file)) => Ok(Input::Measured(read_frames(file)?, file.to_path_buf())),
@@ -64,12 +61,10 @@ impl Input {
             Self::Scene(scene) => *scene,
             Self::Measured(frames, file) => return Ok(Source::measured(name, frames, &file)),
         };
-        let truth = Truth::of(Some(&loaded.scene.phantom), &loaded.files, false)?;
         let progress = Progress::new(quiet);
-        let scanned = scan(&setup, ScanSettings { shown_mm, estimate_error: true }, &|stage| {
+        Ok(Source::scan(loaded, setup, shown_mm, &|stage| {
             progress.observe(stage.done, stage.what);
             !cancel::requested()
-        })?;
-        Ok(Source::computed(loaded, truth, setup, scanned))
+        })?)
     }
 }

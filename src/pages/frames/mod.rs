@@ -6,7 +6,7 @@ mod source;
 mod tissue;
 
 pub use pictures::Pictures;
-pub use source::{Computed, Source};
+pub use source::{Computed, Source, setup_of};
 
 use super::PageError;
 use super::facts::{columns, figure};
@@ -18,7 +18,9 @@ use serde_json::{Value, json};
 
 /// Frames with what was read off them.
 pub struct Reading {
+    /// The frames, and where they come from.
     pub source: Source,
+    /// Features of each.
     pub features: Vec<Features>,
     /// Half width of the window, mm; absent: the whole contact.
     pub window_mm: Option<f64>,
@@ -67,6 +69,10 @@ impl Reading {
         notes
     }
 
+    /// Writes tables, pictures and the report.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn write(&self, folder: &OutputFolder, pictures: &Pictures) -> Result<(), PageError> {
         folder.write("frames.csv", &frames_csv(&self.source.frames))?;
         folder.write("features.csv", &features_csv(&self.features))?;
@@ -83,6 +89,7 @@ impl Reading {
         Ok(folder.write("report.html", &page::report(self, pictures).to_html())?)
     }
 
+    /// For programs.
     pub fn json(&self) -> Value {
         let source = &self.source;
         let positions: Vec<f64> = source.frames.as_slice().iter().map(|frame| frame.position_mm).collect();
@@ -109,6 +116,7 @@ impl Reading {
         })
     }
 
+    /// For people.
     pub fn text(&self, out: &str) -> String {
         let row = |name: &str, value: String| (name.to_owned(), value);
         let f = &self.features[self.shown];

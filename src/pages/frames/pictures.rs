@@ -31,6 +31,9 @@ const POSITION: AxisName = AxisName { quantity: "position of the indenter", unit
 
 impl Pictures {
     /// Draws them.
+    ///
+    /// # Errors
+    /// Frames that cannot be drawn.
     pub fn draw(reading: &Reading) -> Result<Self, PageError> {
         let (source, all) = (&reading.source, &reading.features);
         let name = &source.name;

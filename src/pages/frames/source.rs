@@ -1,10 +1,12 @@
 //! Where frames come from, and what the solver says of them.
 
-use crate::mechanics::frames::scan::{ScanSetup, Scanned};
+use crate::mechanics::frames::scan::{ScanError, ScanSettings, ScanSetup, Scanned, scan};
 use crate::mechanics::frames::{Features, Frames, FramesError, Reference, Settings, features};
+use crate::mechanics::press::PressError;
 use crate::pages::PageError;
 use crate::pages::facts::{figure, scene_rows, version};
 use crate::pipeline::Truth;
+use crate::progress::Stage;
 use crate::report::{Values, Vtu, VtuError};
 use crate::scene::LoadedScan;
 use serde_json::{Value, json};
@@ -12,13 +14,19 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Frames and where they come from.
+#[derive(Debug, Clone)]
 pub struct Source {
+    /// Name of the scene, or of the table.
     pub name: String,
+    /// What the scene is.
     pub description: String,
+    /// The frames.
     pub frames: Frames,
+    /// What only computed frames have.
     pub computed: Option<Computed>,
     /// The scene's text; none of measured frames.
     pub scene_text: Option<String>,
+    /// What the tissue holds.
     pub truth: Truth,
     /// SHA-256 of each file that the scene names.
     pub inputs: BTreeMap<PathBuf, String>,
@@ -27,8 +35,11 @@ pub struct Source {
 }
 
 /// What only computed frames have.
+#[derive(Debug, Clone)]
 pub struct Computed {
+    /// What was scanned.
     pub setup: ScanSetup,
+    /// What came out.
     pub scanned: Scanned,
     /// Whether an inclusion lies at position 0.
     pub has_middle: bool,
@@ -49,8 +60,27 @@ impl Source {
         }
     }
 
+    /// Computes the frames of a scan; the whole state of the position nearest to `shown_mm` is kept. `observe` hears
+    /// how far it is, from any thread, and may stop it.
+    ///
+    /// # Errors
+    /// As [`scan`].
+    pub fn scan(
+        loaded: LoadedScan,
+        setup: ScanSetup,
+        shown_mm: f64,
+        observe: &(dyn Fn(Stage) -> bool + Sync),
+    ) -> Result<Self, ScanError> {
+        let truth = Truth::of(Some(&loaded.scene.phantom), &loaded.files, false).map_err(|error| match error {
+            PressError::File(file) => ScanError::File(file),
+            error => ScanError::Truth(Box::new(error)),
+        })?;
+        let scanned = scan(&setup, ScanSettings { shown_mm, estimate_error: true }, observe)?;
+        Ok(Self::computed(loaded, truth, setup, scanned))
+    }
+
     /// Frames of a scan that was computed.
-    pub fn computed(loaded: LoadedScan, truth: Truth, setup: ScanSetup, scanned: Scanned) -> Self {
+    fn computed(loaded: LoadedScan, truth: Truth, setup: ScanSetup, scanned: Scanned) -> Self {
         let has_middle = loaded.scene.phantom.inclusion.iter().any(|one| one.center_mm[0] == 0.0);
         let inputs = loaded.inputs();
         let mut provenance = scene_rows(&loaded.scene.name, &loaded.sha256, &inputs);
@@ -67,7 +97,10 @@ impl Source {
         }
     }
 
-    /// Features of all frames.
+    /// Features of all frames, which are fitted in a window of half this width, or in the whole contact.
+    ///
+    /// # Errors
+    /// Never for frames of one source.
     pub fn features(&self, window_mm: Option<f64>, noise_kpa: f64) -> Result<Vec<Features>, FramesError> {
         let settings = Settings { window_mm, contact_above_kpa: noise_kpa, ..Settings::default() };
         let reference = match &self.computed {
@@ -90,6 +123,16 @@ impl Source {
         let away = |k: &usize| (self.frames.as_slice()[*k].position_mm - position_mm).abs();
         (0..self.frames.as_slice().len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
     }
+}
+
+/// A scan found in order: what cannot be meshed shows before the work.
+///
+/// # Errors
+/// Geometry, material or a file that cannot be used.
+pub fn setup_of(loaded: &LoadedScan) -> Result<ScanSetup, ScanError> {
+    let setup = ScanSetup::from_scene(loaded)?;
+    setup.tissue.build_2d()?;
+    Ok(setup)
 }
 
 impl Computed {
@@ -133,6 +176,9 @@ impl Computed {
     }
 
     /// The deformed tissue of the shown position.
+    ///
+    /// # Errors
+    /// A state that does not fit its mesh.
     pub fn vtu(&self) -> Result<Vec<u8>, PageError> {
         let vtu = self.deformed().map_err(|error| PageError::Vtu { file: "deformed.vtu".into(), error })?;
         Ok(vtu.to_bytes())

@@ -5,6 +5,8 @@ mod page;
 mod pictures;
 mod table;
 
+pub use table::{Points, points};
+
 use super::PageError;
 use super::facts::{columns, figure};
 use crate::output::Records;

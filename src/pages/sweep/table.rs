@@ -4,23 +4,26 @@ use crate::output::Records;
 use crate::pages::PageError;
 use crate::pages::tables::table;
 use crate::sweep::{Sensitivity, State, Sweep, Told};
+use crate::vary::Scalar;
 use crate::vary::sensitivity::Interval;
 
-fn text(value: Option<f64>) -> String {
-    value.map_or(String::new(), |value| value.to_string())
+/// Points as rows of cells.
+pub struct Points {
+    /// Names of the columns: `row`, `status`, what varies, each figure with its `_low` and `_high`, `relative_error`,
+    /// `note`.
+    pub head: Vec<String>,
+    /// The points in the order of the design; a cell without a value is none.
+    pub rows: Vec<Vec<Option<Scalar>>>,
 }
 
-/// `points.csv`: one row a point in the order of the design, with its status. Equal sweeps give equal bytes: times are
-/// not in it.
-///
-/// # Errors
-/// Never for what a sweep holds.
-pub fn points_csv(sweep: &Sweep, records: &Records) -> Result<String, PageError> {
+/// What is known of each point. Equal sweeps have equal ones: times are not among it.
+pub fn points(sweep: &Sweep, records: &Records) -> Points {
     let names: Vec<String> = sweep.plan.names().map(str::to_owned).collect();
     let columns: Vec<&str> = sweep.columns().collect();
     let of_figure = |name: &&str| [(*name).to_owned(), format!("{name}_low"), format!("{name}_high")];
     let head = ["row".to_owned(), "status".to_owned()].into_iter().chain(names.iter().cloned());
     let head = head.chain(columns.iter().flat_map(of_figure)).chain(["relative_error".to_owned(), "note".to_owned()]);
+    let number = |value: Option<f64>| value.map(Scalar::Number);
     let rows = (0..sweep.plan.count()).map(|row| {
         let record = sweep.record(records, row);
         let status = State::word(record.as_ref().map(|record| record.status));
@@ -29,20 +32,31 @@ pub fn points_csv(sweep: &Sweep, records: &Records) -> Result<String, PageError>
             Some(record) if !record.values.is_empty() => record.values.clone(),
             _ => sweep.plan.point(row).map(|point| point.values).unwrap_or_default(),
         };
-        let value = |k: usize| values.get(k).map_or(String::new(), ToString::to_string);
         let figures = record.as_ref().map(|record| record.figures.as_slice()).unwrap_or_default();
         let figure = |k: usize| {
             let Told { value, low, high, .. } = figures.get(k).cloned().unwrap_or_default();
-            [value, low, high].map(text)
+            [value, low, high].map(number)
         };
         let noted = |(name, told): (&&str, &Told)| told.note.as_ref().map(|note| format!("{name}: {note}"));
         let notes = record.as_ref().and_then(|record| record.reason.clone()).into_iter();
         let notes: Vec<String> = notes.chain(columns.iter().zip(figures).filter_map(noted)).collect();
+        let notes = (!notes.is_empty()).then(|| Scalar::Text(notes.join("; ")));
         let error = record.as_ref().and_then(|record| record.traced.as_ref()?.relative_error);
-        let cells = [row.to_string(), status.to_owned()].into_iter().chain((0..names.len()).map(value));
-        cells.chain((0..columns.len()).flat_map(figure)).chain([text(error), notes.join("; ")]).collect()
+        let cells = [Some(Scalar::Number(row as f64)), Some(Scalar::Text(status.to_owned()))].into_iter();
+        let cells = cells.chain((0..names.len()).map(|k| values.get(k).cloned()));
+        cells.chain((0..columns.len()).flat_map(figure)).chain([number(error), notes]).collect()
     });
-    table("points.csv", head.collect(), rows)
+    Points { head: head.collect(), rows: rows.collect() }
+}
+
+/// `points.csv`: one row a point in the order of the design, with its status. Equal sweeps give equal bytes.
+///
+/// # Errors
+/// Never for what a sweep holds.
+pub fn points_csv(sweep: &Sweep, records: &Records) -> Result<String, PageError> {
+    let Points { head, rows } = points(sweep, records);
+    let cell = |cell: Option<Scalar>| cell.map_or(String::new(), |cell| cell.to_string());
+    table("points.csv", head, rows.into_iter().map(|row| row.into_iter().map(cell).collect()))
 }
 
 /// `times.csv`: where the time of each point went, seconds.

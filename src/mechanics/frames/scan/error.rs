@@ -4,6 +4,7 @@ use crate::mechanics::frames::FramesError;
 use crate::mechanics::material::MaterialError;
 use crate::mechanics::mesh::MeshError;
 use crate::mechanics::path::PathError;
+use crate::mechanics::press::PressError;
 use crate::scene::DataFileError;
 use serde::Serialize;
 use thiserror::Error;
@@ -20,6 +21,9 @@ pub enum ScanError {
     /// A file that the scene names.
     #[error(transparent)]
     File(#[from] DataFileError),
+    /// A tissue whose truth cannot be told.
+    #[error(transparent)]
+    Truth(Box<PressError>),
     /// One position did not come to its end.
     #[error("the indenter at {position_mm} mm, {tissue}: {cause}")]
     Position {
