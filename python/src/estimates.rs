@@ -1,5 +1,6 @@
 //! What frames say of an inclusion.
 
+use crate::calibration::Given;
 use crate::json::{json, to_dict};
 use crate::scene::Scene;
 use crate::trouble::Trouble;
@@ -9,7 +10,6 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
-use std::path::PathBuf;
 use tirtouch::calibrate::{FrameModel, Frames, Inferred, PressFrame, ready};
 use tirtouch::camera::top_grey;
 use tirtouch::estimate as read;
@@ -107,8 +107,8 @@ impl Estimates {
 /// What frames of one press say of the inclusion: its size, depth and modulus, and all other unknowns.
 ///
 /// ``frames``: raw frames, one a load, as arrays of grey levels of shape (height, width), uint8 or uint16.
-/// ``depths_mm``: depth of the press of each. ``calibration``: a file that ``tirtouch calibrate`` learnt; if not given,
-/// the one of the paper's sensor and phantoms that comes with the program. ``scene``: the scene whose camera took the
+/// ``depths_mm``: depth of the press of each. ``calibration``: a Calibration, or the file of one; if not given, that of
+/// the paper's sensor and phantoms, ``Calibration.ready()``. ``scene``: the scene whose camera took the
 /// frames; if not given, the calibration's own camera, read with so many pixels.
 ///
 /// ``forces_n``: force of each press, where it was measured, to a relative error (a standard deviation) of
@@ -124,14 +124,14 @@ pub fn estimate(
     depths_mm: Vec<f64>,
     forces_n: Option<Vec<f64>>,
     force_error: f64,
-    calibration: Option<PathBuf>,
+    calibration: Option<Given>,
     scene: Option<&Bound<'_, Scene>>,
 ) -> Result<Estimates, Trouble> {
     check_depths(&depths_mm, frames.len())?;
     check_forces(forces_n.as_deref(), force_error, frames.len())?;
     let frames = frames.iter().enumerate().map(|(k, frame)| Levels::of(frame, k)).collect::<PyResult<Vec<_>>>()?;
-    let given = calibration.map(|file| FrameModel::load(&file)).transpose()?;
-    let Some(model) = given.as_ref().or(ready()) else {
+    let given = calibration.map(Given::model).transpose()?;
+    let Some(model) = given.as_deref().or(ready()) else {
         return Ok(Estimates::undefined("no calibrated model".into()));
     };
     if let Some(Err(why)) = scene.map(|scene| model.suits(&scene.get().loaded)) {

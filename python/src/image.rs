@@ -1,12 +1,15 @@
 //! Images.
 
+use crate::COMMAND;
 use crate::arguments::threshold_grey;
+use crate::array::{frame_of, image_of};
+use crate::exposure::{Exposure, Wanted};
 use crate::json::{json, to_dict};
 use crate::reading::Reading;
 use crate::scene::Scene;
 use crate::trouble::Trouble;
 use crate::value::Value;
-use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
+use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -17,9 +20,6 @@ use tirtouch::figure::Figure;
 use tirtouch::pipeline::{Prepared, ReadAs, Session, Shot, ShotSummary};
 use tirtouch::progress::Observer;
 use tirtouch::trace::Outcome;
-
-/// The command in the header of radiance.exr.
-const COMMAND: &str = "tirtouch for Python";
 
 /// A shot that owns what it was traced from.
 pub struct Taken {
@@ -75,11 +75,8 @@ impl Image {
         Self { taken, scene, truth, baseline, radiance, variance, frame }
     }
 
-    fn array<'py, T: numpy::Element>(&self, py: Python<'py>, values: Vec<T>) -> PyResult<Bound<'py, PyArray2<T>>> {
-        let Frame { width, height, .. } = self.taken.frame;
-        let array = PyArray1::from_vec(py, values).reshape([height as usize, width as usize])?;
-        array.readwrite().make_nonwriteable();
-        Ok(array)
+    fn size(&self) -> [u32; 2] {
+        [self.taken.frame.width, self.taken.frame.height]
     }
 }
 
@@ -88,7 +85,7 @@ impl Image {
     /// Mean radiance, W/(m^2 sr): float32 of shape (height, width).
     #[getter]
     fn radiance(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f32>>> {
-        let make = || Ok::<_, PyErr>(self.array(py, self.taken.outcome.film.mean.clone())?.unbind());
+        let make = || Ok::<_, PyErr>(image_of(py, self.taken.outcome.film.mean.clone(), self.size())?.unbind());
         Ok(self.radiance.get_or_try_init(py, make)?.clone_ref(py))
     }
 
@@ -96,22 +93,14 @@ impl Image {
     /// light; what may have been missed there is in ``absolute_error`` of ``to_dict``, and stands in radiance.exr.
     #[getter]
     fn variance(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f32>>> {
-        let make = || Ok::<_, PyErr>(self.array(py, self.taken.outcome.film.variance.clone())?.unbind());
+        let make = || Ok::<_, PyErr>(image_of(py, self.taken.outcome.film.variance.clone(), self.size())?.unbind());
         Ok(self.variance.get_or_try_init(py, make)?.clone_ref(py))
     }
 
     /// The camera's frame, grey levels: of shape (height, width), uint8 for a camera of 8 bits, else uint16.
     #[getter]
     fn frame(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let Frame { bit_depth, grey, .. } = &self.taken.frame;
-        let make = || -> PyResult<Py<PyAny>> {
-            Ok(match bit_depth {
-                // A level of 8 bits is below 256.
-                ..=8 => self.array(py, grey.iter().map(|&level| level.min(255) as u8).collect())?.into_any().unbind(),
-                _ => self.array(py, grey.clone())?.into_any().unbind(),
-            })
-        };
-        Ok(self.frame.get_or_try_init(py, make)?.clone_ref(py))
+        Ok(self.frame.get_or_try_init(py, || frame_of(py, &self.taken.frame))?.clone_ref(py))
     }
 
     /// The scene.
@@ -192,6 +181,23 @@ impl Image {
             let reading = self.taken.shot().read(&read_as).map_err(|error| Trouble::of_scene(error, file))?;
             Ok(Reading::of(&reading, reference.map(|image| image.taken.summary.scene.clone())))
         })
+    }
+
+    /// Another frame of the same light: with another exposure time, other bits of a grey level (8 to 16) or another
+    /// seed of the sensor's noise. What is not given is that of ``frame``.
+    ///
+    /// Raises ValueError for numbers that no camera has.
+    #[pyo3(signature = (*, exposure_ms = None, bit_depth = None, seed = None))]
+    fn expose(
+        &self,
+        py: Python<'_>,
+        exposure_ms: Option<f64>,
+        bit_depth: Option<u32>,
+        seed: Option<u32>,
+    ) -> Result<Exposure, Trouble> {
+        let seed = Some(seed.unwrap_or(self.taken.prepared.streams.sensor()));
+        let wanted = Wanted { exposure_ms, bit_depth, seed };
+        Exposure::of(py, self.scene.get(), &self.taken.outcome.film, None, wanted)
     }
 
     /// Writes a file: ``.exr`` radiance and variance with their provenance, as ``tirtouch render`` does, ``.png`` the

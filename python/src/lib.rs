@@ -6,22 +6,33 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod array;
+mod calibration;
 mod command_line;
 mod comparison;
 mod estimates;
+mod exposure;
+mod frames;
 mod image;
+mod inspection;
 mod json;
 mod press;
 mod radiance;
 mod reading;
 mod run;
+mod scan;
 mod scene;
 mod session;
+mod sweep;
+mod sweep_results;
 mod trouble;
 mod value;
 mod watch;
 
 use pyo3::prelude::*;
+
+/// The command in files that are written: radiance.exr, reports.
+const COMMAND: &str = "tirtouch for Python";
 
 /// Simulator of the multilayer total-internal-reflection tactile sensor.
 #[pymodule]
@@ -29,13 +40,21 @@ mod _tirtouch {
     use super::*;
 
     #[pymodule_export]
+    use super::calibration::{Calibration, Unknown, calibrate};
+    #[pymodule_export]
     use super::command_line::_command_line;
     #[pymodule_export]
     use super::comparison::{Comparison, compare};
     #[pymodule_export]
     use super::estimates::{Estimates, estimate};
     #[pymodule_export]
+    use super::exposure::Exposure;
+    #[pymodule_export]
+    use super::frames::{Frames, Tissue};
+    #[pymodule_export]
     use super::image::Image;
+    #[pymodule_export]
+    use super::inspection::Inspection;
     #[pymodule_export]
     use super::press::{Load, Press};
     #[pymodule_export]
@@ -45,9 +64,15 @@ mod _tirtouch {
     #[pymodule_export]
     use super::run::Run;
     #[pymodule_export]
+    use super::scan::Scan;
+    #[pymodule_export]
     use super::scene::{Scene, schema};
     #[pymodule_export]
     use super::session::Session;
+    #[pymodule_export]
+    use super::sweep::Sweep;
+    #[pymodule_export]
+    use super::sweep_results::{SweepResults, SweepStatus};
     #[pymodule_export]
     use super::value::Value;
 

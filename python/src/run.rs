@@ -1,6 +1,7 @@
 //! The whole way from a scene to estimates.
 
 use crate::arguments::{Asked, threshold_grey};
+use crate::calibration::Given;
 use crate::estimates::Estimates;
 use crate::image::{Image, Taken};
 use crate::json::{json, to_dict};
@@ -11,7 +12,6 @@ use crate::session::{images, prepared};
 use crate::trouble::Trouble;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::PathBuf;
 use std::sync::Arc;
 use tirtouch::calibrate::{FrameModel, estimates_of};
 use tirtouch::estimate::GreyImage;
@@ -62,7 +62,7 @@ impl Run {
 pub struct Wanted {
     order: Order,
     threshold_grey: f64,
-    model: Option<FrameModel>,
+    model: Option<Arc<FrameModel>>,
     subtract_baseline: bool,
 }
 
@@ -82,11 +82,11 @@ impl Wanted {
         asked: Asked,
         scene: &Scene,
         threshold: Option<&Bound<'_, PyAny>>,
-        calibration: Option<PathBuf>,
+        calibration: Option<Given>,
         subtract_baseline: bool,
     ) -> Result<Self, Trouble> {
         let threshold_grey = threshold_grey(threshold, scene.loaded.scene.camera.sensor.bit_depth)?;
-        let model = calibration.map(|file| FrameModel::load(&file)).transpose()?;
+        let model = calibration.map(Given::model).transpose()?;
         Ok(Self { order: asked.order(scene)?, threshold_grey, model, subtract_baseline })
     }
 
@@ -115,7 +115,7 @@ impl Wanted {
         let shot = taken.last().map(Taken::shot);
         let shot = shot.ok_or_else(|| Trouble::input("there is no image".into()))?;
         let mut reading = shot.read(&read_as).map_err(of_scene)?;
-        reading.estimates = estimates_of(self.model.as_ref(), &scene.loaded, &frames);
+        reading.estimates = estimates_of(self.model.as_deref(), &scene.loaded, &frames);
         let name = self.subtract_baseline.then(|| BASELINE.to_owned());
         let mut summary = shot.run_summary(&reading, name.clone(), truth(scene, self.order.without_inclusions)?);
         summary.earlier_frames = earlier;

@@ -1,20 +1,23 @@
 //! Sessions.
 
 use crate::arguments::{Asked, backend, precision};
+use crate::calibration::Given;
 use crate::image::{Image, Taken};
+use crate::inspection::Inspection;
 use crate::press::{Press, truth_of};
 use crate::run::{self, Run, Wanted};
 use crate::scene::Scene;
 use crate::trouble::Trouble;
 use crate::watch::watched;
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::{self, ThreadId};
 use std::time::Duration;
+use tirtouch::pages::inspection::Inspection as Seen;
 use tirtouch::pipeline::{self, Order, Prepared};
 use tirtouch::progress::Observer;
+use tirtouch::trace::{BackendChoice, Precision};
 
 /// Time between two looks whether another thread is done with the session.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(20);
@@ -79,6 +82,20 @@ impl Session {
     }
 }
 
+/// Works with a session that is given, or with one of its own.
+pub fn with_session<T: Send>(
+    py: Python<'_>,
+    session: Option<&Bound<'_, Session>>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&mut pipeline::Session, &mut Observer) -> Result<T, Trouble> + Send,
+) -> Result<T, Trouble> {
+    let known = session.map(Bound::get);
+    watched(py, progress, |observe| match known {
+        Some(session) => work(&mut session.take_up()?.session, observe),
+        None => work(&mut pipeline::Session::open(BackendChoice::Auto, Precision::F32)?, observe),
+    })
+}
+
 /// The scene, pressed where it presses, at its last load.
 pub fn prepared(
     session: &mut pipeline::Session,
@@ -86,7 +103,9 @@ pub fn prepared(
     order: &Order,
     observe: &mut Observer,
 ) -> Result<Prepared, Trouble> {
-    session.prepare(scene.loaded.clone(), order, observe).map_err(|error| Trouble::of_scene(error, &scene.file))
+    let without_inclusions = order.without_inclusions;
+    let of_press = |error| Trouble::of_press(error, scene, without_inclusions);
+    session.prepare(scene.loaded.clone(), order, observe).map_err(of_press)
 }
 
 /// The images with what belongs to them, as Python holds them.
@@ -136,7 +155,7 @@ impl Session {
 
     /// Presses the scene's phantom against its sensor, or finds that press among the session's last four.
     ///
-    /// Raises SceneError for a scene that presses nothing, TirtouchError for a press that stops early.
+    /// Raises SceneError for a scene that presses nothing, PressError for a press that stops early.
     #[pyo3(signature = (scene, *, without_inclusions = false, progress = None))]
     fn press(
         &self,
@@ -149,9 +168,38 @@ impl Session {
         }
         let order = Asked { without_inclusions, ..Asked::default() }.order(scene.get())?;
         let pressed = self.work(scene, progress, |session, scene, observe| {
-            session.press(&scene.loaded, &order, observe).map_err(|error| Trouble::of_scene(error, &scene.file))
+            let of_press = |error| Trouble::of_press(error, scene, without_inclusions);
+            session.press(&scene.loaded, &order, observe).map_err(of_press)
         })?;
         Press::of(pressed, scene.get(), without_inclusions)
+    }
+
+    /// What is understood of a scene, and what a render of it with this session would do; nothing is traced. ``gains``
+    /// measures what it gains to leave out what the scene does not need: small images with each piece and without, in
+    /// turn, in so many ``rounds`` (2 to 100).
+    ///
+    /// Raises SceneError for a scene that cannot be used, and for ``gains`` of one that guides no light.
+    #[pyo3(signature = (scene, *, gains = false, rounds = 5, progress = None))]
+    fn inspect(
+        &self,
+        scene: &Bound<'_, Scene>,
+        gains: bool,
+        rounds: u32,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> Result<Inspection, Trouble> {
+        if !(2..=100).contains(&rounds) {
+            return Err(PyValueError::new_err(format!("rounds must be from 2 to 100, is {rounds}")).into());
+        }
+        let seen = self.work(scene, progress, |session, scene, observe| {
+            let of_scene = |error| Trouble::of_scene(error, &scene.file);
+            let seen = Seen::of(scene.loaded.clone(), Ok(session.devices()), observe);
+            let mut seen = seen.map_err(of_scene)?;
+            if gains {
+                seen.measure_gains(session.devices(), rounds, observe).map_err(of_scene)?;
+            }
+            Ok(seen)
+        })?;
+        Inspection::of(&seen, scene.get())
     }
 
     /// The image of a scene: pressed first where it presses, at the last of its loads.
@@ -162,8 +210,8 @@ impl Session {
     /// same load without inclusions too: ``image.baseline``. ``without_inclusions`` makes that the image itself. Same
     /// seed, same bits, on one adapter with fixed samples.
     ///
-    /// Raises SceneError for a scene that cannot be traced, DeviceError, Stopped, and ValueError for arguments that
-    /// make no sense.
+    /// Raises SceneError for a scene that cannot be traced, PressError for a press that stops early, DeviceError,
+    /// Stopped, and ValueError for arguments that make no sense.
     #[pyo3(signature = (scene, *, seed = None, spp = None, photons = None, integrator = None, target_error = None,
                         seconds = None, baseline = false, without_inclusions = false, progress = None))]
     fn render(
@@ -230,8 +278,8 @@ impl Session {
     /// The whole way: press, images of all loads, the paper's figures of the last, and what all say of the inclusion.
     ///
     /// Arguments are those of ``render``. ``subtract_baseline`` reads the last frame less the one without inclusions.
-    /// ``threshold`` is as for ``Image.read``. ``calibration`` is a file that ``tirtouch calibrate`` learnt; if not
-    /// given, the calibration that comes with the program is used where it suits the scene.
+    /// ``threshold`` is as for ``Image.read``. ``calibration`` is a Calibration, or the file of one; if not given,
+    /// the calibration that comes with the program is used where it suits the scene.
     ///
     /// Raises what ``render`` does.
     #[pyo3(signature = (scene, *, seed = None, spp = None, photons = None, integrator = None, target_error = None,
@@ -249,7 +297,7 @@ impl Session {
         subtract_baseline: bool,
         without_inclusions: bool,
         threshold: Option<&Bound<'_, PyAny>>,
-        calibration: Option<PathBuf>,
+        calibration: Option<Given>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> Result<Run, Trouble> {
         let asked = Asked { seed, spp, photons, integrator, target_error, seconds, without_inclusions };

@@ -1,14 +1,23 @@
 //! What goes wrong, as Python's exceptions.
 
+use crate::press::Press;
+use crate::scene::Scene;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 use std::path::Path;
+use std::sync::Arc;
 use tirtouch::calibrate::CalibrateError;
 use tirtouch::cli::{Failure, Kind};
+use tirtouch::estimate::tissue::TissueError;
 use tirtouch::image_io::ImageError;
+use tirtouch::mechanics::frames::scan::ScanError;
+use tirtouch::mechanics::path::PathError;
 use tirtouch::mechanics::press::PressError;
+use tirtouch::output::{OutputError, Remedy};
+use tirtouch::pages::PageError;
 use tirtouch::pipeline::PipelineError;
 use tirtouch::scene::SceneError;
+use tirtouch::sweep::{SweepError, SweepFolderError};
 use tirtouch::trace::TraceError;
 
 /// Classes of `_errors.py`. They are written in Python: Rust classes cannot extend `Exception` in the stable ABI.
@@ -18,12 +27,14 @@ pub enum Class {
     Scene,
     Device,
     Stopped,
+    Press,
 }
 
 /// What goes wrong: in the library, or in Python.
-#[derive(Debug)]
 pub enum Trouble {
     Said(Box<Failure>, Class),
+    /// A press that stopped early, with what it reached.
+    Press(Box<Failure>, Box<Press>),
     Python(PyErr),
 }
 
@@ -38,6 +49,55 @@ impl Trouble {
             kind => of_kind(kind),
         };
         Self::Said(Box::new(failure), class)
+    }
+
+    /// Of a scene that was to be pressed: with the loads that a press reached which stopped early.
+    pub fn of_press(error: PipelineError, scene: &Scene, without_inclusions: bool) -> Self {
+        let reached = match &error {
+            PipelineError::Press(PressError::Stopped { cause: PathError::Stopped, .. }) => None,
+            PipelineError::Press(PressError::Stopped { reached, .. }) => Some(Arc::new((**reached).clone())),
+            _ => None,
+        };
+        let trouble = Self::of_scene(error, &scene.file);
+        let press = reached.and_then(|reached| Press::of(reached, scene, without_inclusions).ok());
+        match (trouble, press) {
+            (Self::Said(failure, _), Some(press)) => Self::Press(failure, Box::new(press)),
+            (trouble, _) => trouble,
+        }
+    }
+
+    /// Of a sweep in that folder.
+    pub fn of_sweep(error: SweepError, folder: &Path) -> Self {
+        match error {
+            SweepError::Output(error) => error.into(),
+            error @ SweepError::Device { .. } => Self::Said(Box::new(error.into()), Class::Device),
+            SweepError::Stopped => {
+                let words = format!("stopped on request; what was done is in {}", folder.display());
+                Self::Said(Box::new(Failure::failed(words)), Class::Stopped)
+            }
+        }
+    }
+
+    /// Of a scan that came from `file`.
+    pub fn of_scan(error: ScanError, file: &Path) -> Self {
+        Self::of_failure(error.into(), file)
+    }
+
+    /// Of frames whose tissue was sought beside what the scan of that file knows.
+    pub fn of_tissue(error: TissueError, file: &Path) -> Self {
+        match error {
+            TissueError::Scan(_) | TissueError::Scene { .. } => Self::of_failure(error.into(), file),
+            error => Failure::from(error).into(),
+        }
+    }
+
+    /// A scene of that file is to blame where the input is.
+    fn of_failure(failure: Failure, file: &Path) -> Self {
+        match failure.kind() {
+            Kind::Input if failure.names_a_file() => Self::scene(failure),
+            Kind::Input => Self::scene(failure.prefixed(&file.display().to_string()).in_file(file)),
+            _ => failure.into(),
+        }
     }
 
     /// A mistake of a scene.
@@ -91,6 +151,42 @@ impl From<CalibrateError> for Trouble {
     }
 }
 
+impl From<OutputError> for Trouble {
+    fn from(error: OutputError) -> Self {
+        let help = match &error {
+            OutputError::Refused { remedy: Remedy::Replace, .. } => "; force=True replaces it",
+            OutputError::Refused { remedy: Remedy::GoOn, .. } => {
+                "; resume=True goes on with it, force=True replaces it"
+            }
+            _ => return Failure::from(error).into(),
+        };
+        let words = format!("{error}{help}");
+        match error {
+            OutputError::Refused { place, .. } => Failure::input(words).in_file(&place).into(),
+            _ => Failure::input(words).into(),
+        }
+    }
+}
+
+impl From<SweepFolderError> for Trouble {
+    fn from(error: SweepFolderError) -> Self {
+        match error {
+            SweepFolderError::Output(error) => error.into(),
+            SweepFolderError::Scene(error) => error.into(),
+            error @ SweepFolderError::Strange(_) => Failure::from(error).into(),
+        }
+    }
+}
+
+impl From<PageError> for Trouble {
+    fn from(error: PageError) -> Self {
+        match error {
+            PageError::Output(error) => error.into(),
+            error => Failure::from(error).into(),
+        }
+    }
+}
+
 impl From<PyErr> for Trouble {
     fn from(error: PyErr) -> Self {
         Self::Python(error)
@@ -102,7 +198,10 @@ impl From<Trouble> for PyErr {
         match trouble {
             Trouble::Python(error) => error,
             Trouble::Said(failure, class) => {
-                Python::attach(|py| exception(py, &failure, class).unwrap_or_else(|error| error))
+                Python::attach(|py| exception(py, &failure, class, None).unwrap_or_else(|error| error))
+            }
+            Trouble::Press(failure, press) => {
+                Python::attach(|py| exception(py, &failure, Class::Press, Some(*press)).unwrap_or_else(|error| error))
             }
         }
     }
@@ -118,22 +217,28 @@ fn is_device(error: &TraceError) -> bool {
     matches!(error, NoAdapter | DeviceLost(_) | Memory { .. } | Driver(_) | CutShort { .. })
 }
 
-fn exception(py: Python<'_>, failure: &Failure, class: Class) -> PyResult<PyErr> {
+fn exception(py: Python<'_>, failure: &Failure, class: Class, reached: Option<Press>) -> PyResult<PyErr> {
     let name = match class {
         Class::Error => "TirtouchError",
         Class::Scene => "SceneError",
         Class::Device => "DeviceError",
         Class::Stopped => "Stopped",
+        Class::Press => "PressError",
     };
     let class = py.import("tirtouch._errors")?.getattr(name)?.cast_into::<PyType>()?;
+    // The command line's own words are of the folder that it was writing.
+    let message = if failure.kind() == Kind::Cancelled { "stopped on request" } else { failure.message() };
     let (file, line, key) = failure.place();
     let place = PyDict::new(py);
     place.set_item("file", file.map(|file| file.to_string_lossy().into_owned()))?;
     place.set_item("line", line)?;
     place.set_item("key", key)?;
+    if let Some(reached) = reached {
+        place.set_item("reached", Py::new(py, reached)?)?;
+    }
     let said = failure.json();
     let others = said["errors"].as_array().into_iter().flatten().skip(1);
     let others: Vec<&str> = others.filter_map(|other| other["message"].as_str()).collect();
     place.set_item("others", PyTuple::new(py, others)?)?;
-    Ok(PyErr::from_value(class.call((failure.message(),), Some(&place))?))
+    Ok(PyErr::from_value(class.call((message,), Some(&place))?))
 }

@@ -47,13 +47,17 @@ impl From<&estimate::Value> for Value {
 impl From<&Figure> for Value {
     fn from(figure: &Figure) -> Self {
         match figure {
-            Figure::Known(value) => Self { value: Some(*value), low: None, high: None, reason: None },
+            Figure::Known(value) => Self::known(*value),
             Figure::Undefined { reason } => Self::undefined(reason),
         }
     }
 }
 
 impl Value {
+    pub fn known(value: f64) -> Self {
+        Self { value: Some(value), low: None, high: None, reason: None }
+    }
+
     pub fn undefined(reason: &str) -> Self {
         Self { value: None, low: None, high: None, reason: Some(reason.to_owned()) }
     }

@@ -3,11 +3,17 @@
 use crate::trouble::Trouble;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
 use tirtouch::progress::{Observer, Stage};
 
 /// Time between two calls into Python: often enough for Ctrl-C, too seldom to cost anything.
 const BETWEEN: Duration = Duration::from_millis(100);
+
+/// Time between two looks at work that another thread does.
+const LOOK: Duration = Duration::from_millis(10);
 
 /// Does work without Python's lock. `progress` is a callable, True for a bar, or None.
 ///
@@ -22,6 +28,37 @@ pub fn watched<T: Send>(
     let done = py.detach(|| work(&mut |stage| watch.hears(stage)));
     watch.end(py)?;
     done
+}
+
+/// The same of work that tells of itself from any thread. It is done by a thread of its own, so that signals are heard.
+///
+/// # Errors
+/// As [`watched`].
+pub fn watched_by_threads<T: Send>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&(dyn Fn(Stage) -> bool + Sync)) -> Result<T, Trouble> + Send,
+) -> Result<T, Trouble> {
+    watched(py, progress, |observe| {
+        let (told, stop) = (Mutex::new((0.0, String::new())), AtomicBool::new(false));
+        let latest = || told.lock().unwrap_or_else(PoisonError::into_inner);
+        thread::scope(|scope| {
+            let worker = scope.spawn(|| {
+                work(&|stage| {
+                    *latest() = (stage.done, stage.what.to_owned());
+                    !stop.load(Ordering::Relaxed)
+                })
+            });
+            while !worker.is_finished() {
+                let (done, what) = latest().clone();
+                if !what.is_empty() && !observe(Stage { done, what: &what }) {
+                    stop.store(true, Ordering::Relaxed);
+                }
+                thread::sleep(LOOK);
+            }
+            worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })
+    })
 }
 
 struct Watch {

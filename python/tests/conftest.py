@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any, Callable
 
@@ -29,6 +30,17 @@ def smaller(scene: tirtouch.Scene, pixels: tuple[int, int]) -> tirtouch.Scene:
         "camera.sensor.exposure_ms": camera["sensor"]["exposure_ms"] / factor**2,
     }
     return scene.set(changes)
+
+
+def run_python(code: str, **environment: str) -> subprocess.Popen[str]:
+    """Starts a program of its own."""
+    return subprocess.Popen(
+        [sys.executable, "-c", code],
+        env=os.environ | environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import pickle
 from pathlib import Path
 from typing import Any, Callable
 
@@ -66,6 +67,22 @@ def test_a_scene_that_presses_nothing_has_no_press(session: Session, disc: Scene
     assert raised.value.key == "press"
     with pytest.raises(tirtouch.TirtouchError, match="presses nothing"):
         session.render(disc, baseline=True, **FEW)
+
+
+def test_a_press_that_stops_early_gives_what_it_reached(session: Session) -> None:
+    values = Scene.preset("phantom-size-8mm").to_dict()
+    # A flat phantom against a rigid face: elements of a coarse mesh are squeezed flat before the second depth.
+    values["phantom"] |= {"shape": {"kind": "cylinder", "radius_mm": 30.0, "height_mm": 6.0}, "inclusion": []}
+    values["press"] |= {"sensor": "rigid", "depths_mm": [1.0, 5.9], "estimate_error": False, "resolution": 0.25}
+    with pytest.raises(tirtouch.PressError, match="stops at") as raised:
+        session.press(Scene.from_dict(values, "flat.toml"))
+    error = raised.value
+    assert isinstance(error, tirtouch.TirtouchError) and error.file == "flat.toml"
+    assert error.reached is not None
+    [load] = error.reached.loads
+    assert load.depth_mm == 1.0 and load.force_n > 0 and load.contact["pressure_kpa"].max() > 0
+    again = pickle.loads(pickle.dumps(error))
+    assert (type(again), str(again), again.file, again.reached) == (type(error), str(error), "flat.toml", None)
 
 
 def test_a_run_says_what_the_command_line_says(

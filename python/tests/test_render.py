@@ -64,6 +64,62 @@ def test_another_seed_gives_other_bits(session: Session, disc: Scene, image: tir
     assert not np.array_equal(other.radiance, image.radiance)
 
 
+def test_light_that_is_traced_is_exposed_anew(
+    image: tirtouch.Image, disc: Scene, command: Command, tmp_path: Path
+) -> None:
+    again = image.expose()
+    assert np.array_equal(again.frame, image.frame) and again.frame.dtype == np.uint8
+    assert not again.frame.flags.writeable and again.frame is again.frame
+    other = image.expose(seed=5)
+    assert other.seed == 5 and not np.array_equal(other.frame, image.frame)
+    dim, brighter = (image.expose(exposure_ms=again.exposure_ms / k, bit_depth=12) for k in (16, 8))
+    assert brighter.frame.dtype == np.uint16 and (brighter.bit_depth, brighter.seed) == (12, again.seed)
+    assert brighter.saturated_pixels == 0 and brighter.frame.mean() == pytest.approx(2 * dim.frame.mean(), rel=0.05)
+    assert again.suggested_ms and image.expose(exposure_ms=1e3 * again.exposure_ms).saturated_pixels > 0
+    for bad in [{"exposure_ms": -1.0}, {"bit_depth": 7}, {"bit_depth": 17}]:
+        with pytest.raises(ValueError, match="camera.sensor"):
+            image.expose(**bad)
+
+    image.write(tmp_path / "radiance.exr")
+    (tmp_path / "disc.toml").write_text(disc.to_toml())
+    said = command("expose", "radiance.exr", "--scene", "disc.toml", "--exposure-ms", "2.5", "-o", "out")
+    of_file = tirtouch.read_radiance(tmp_path / "radiance.exr").expose(disc, exposure_ms=2.5)
+    ours = image.expose(exposure_ms=2.5)
+    assert ours.to_dict() == of_file.to_dict() == {key: said[key] for key in ours.to_dict()}
+    assert np.array_equal(ours.frame, of_file.frame)
+    ours.write(tmp_path / "camera.png")
+    assert (tmp_path / "camera.png").read_bytes() == (tmp_path / "out" / "camera.png").read_bytes()
+    with pytest.raises(ValueError, match="png"):
+        ours.write(tmp_path / "camera.exr")
+    with pytest.raises(tirtouch.SceneError, match="64"):
+        tirtouch.read_radiance(tmp_path / "radiance.exr").expose(disc.set({"camera.pixels": [32, 24]}))
+
+
+def test_what_is_understood_of_a_scene_is_what_the_command_line_says(
+    session: Session, disc: Scene, phantom: Scene, command: Command, tmp_path: Path
+) -> None:
+    (tmp_path / "disc.toml").write_text(disc.to_toml())
+    (tmp_path / "phantom.toml").write_text(phantom.to_toml())
+    for name, scene in [("disc", disc), ("phantom", phantom)]:
+        seen, said = session.inspect(scene), command("inspect", f"{name}.toml")
+        ours = seen.to_dict()
+        for press in [ours["press"], said["press"]]:
+            # What the system has free changes.
+            assert press is None or press.pop("memory_limit_gib") > 0
+        assert ours == {key: said[key] for key in ours}
+        assert said.keys() - seen.to_dict().keys() <= {"command", "out", "version"}
+        assert seen.integrator and seen.why and seen.regimes and seen.gains is None
+        assert str(seen).startswith(f"{scene.name}: ")
+    assert session.inspect(disc).press is None and session.inspect(phantom).press["dofs"] > 0
+    assert 0 < session.inspect(disc).launch_cone_deg <= 180
+    assert session.inspect(disc).to_dict()["adapter"] == session.adapter
+    with pytest.raises(ValueError, match="rounds"):
+        session.inspect(disc, gains=True, rounds=1)
+    small = disc.set({"camera.pixels": [16, 12]})
+    gains = session.inspect(small, gains=True, rounds=2).gains
+    assert gains and all(gain["same_image"] for gain in gains)
+
+
 def test_what_is_written_is_read_again(image: tirtouch.Image, tmp_path: Path) -> None:
     image.write(tmp_path / "radiance.exr")
     read = tirtouch.read_radiance(tmp_path / "radiance.exr")

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
 import threading
 from typing import Any
 
 import numpy as np
 import pytest
 import tirtouch
-from conftest import FEW
+from conftest import FEW, run_python
 from tirtouch import Scene, Session
 
 #: Longer than any test: what stops it is what is tested.
@@ -103,16 +101,6 @@ def test_a_kind_of_error_has_its_class(session: Session, disc: Scene, phantom: S
     assert not isinstance(raised.value, tirtouch.SceneError)
     with pytest.raises(tirtouch.SceneError):
         session.render(phantom.set({"press.depths_mm[1]": 200.0}), **FEW)
-
-
-def run_python(code: str, **environment: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        [sys.executable, "-c", code],
-        env=os.environ | environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
 
 
 def test_without_an_adapter_a_gpu_is_a_device_error_and_auto_takes_the_cpu() -> None:

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ._tirtouch import Press
+
 
 class TirtouchError(Exception):
     """What went wrong, in one line: what, where, and what would be right.
@@ -31,7 +36,27 @@ class TirtouchError(Exception):
 
 
 class SceneError(TirtouchError):
-    """A scene that cannot be used: its text, its keys, a file that it names, or a press that cannot be computed."""
+    """A scene that cannot be used: its text, its keys, a file that it names, or a press that cannot be computed.
+
+    So is a file of a sweep or of a calibration that cannot be used.
+    """
+
+
+class PressError(TirtouchError):
+    """A press that stopped early. ``reached`` is the press with the loads before; pickled, it is None."""
+
+    reached: Press | None
+
+    def __init__(self, message: str, reached: Press | None = None, **place: Any) -> None:
+        super().__init__(message, **place)
+        self.reached = reached
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"reached": None}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # BaseException takes all of __dict__ with it.
+        return type(self), self.args, self.__getstate__()
 
 
 class DeviceError(TirtouchError):

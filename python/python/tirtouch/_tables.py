@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray
 
-    from ._tirtouch import Image, Press
+    from ._tirtouch import Image, Press, SweepResults
 
 
 def press_to_pandas(press: Press) -> Any:
@@ -30,6 +30,13 @@ def press_to_pandas(press: Press) -> Any:
         length = len(columns["pressure_kpa"])
         frames.append(pandas.DataFrame({name: np.full(length, value) for name, value in own.items()} | columns))
     return pandas.concat(frames, ignore_index=True)
+
+
+def points_to_pandas(results: SweepResults) -> Any:
+    """The points of a sweep as a pandas.DataFrame."""
+    import pandas
+
+    return pandas.DataFrame(results.points())
 
 
 def image_to_xarray(image: Image) -> xarray.Dataset:

@@ -1,0 +1,290 @@
+//! Sweeps.
+
+use crate::COMMAND;
+use crate::json::{json, to_dict, to_table, to_value, without_nulls};
+use crate::scene::Scene;
+use crate::session::{Session, with_session};
+use crate::sweep_results::{SweepResults, SweepStatus, no_scene};
+use crate::trouble::Trouble;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString, PyTuple};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+use tirtouch::output::RESULT;
+use tirtouch::scene;
+use tirtouch::sweep::{self, Options, Status, by_hand};
+
+/// The copy of the scene in the folder of a sweep: what the sweep of a scene that is there already names.
+const SCENE: &str = "scene.toml";
+/// Most workers.
+const MOST_WORKERS: usize = 256;
+
+/// Many points of a scene: keys that vary, a design of points, and what is measured at each (docs/SWEEPS.md). It never
+/// changes; ``len`` is how many points there are.
+#[pyclass(frozen, module = "tirtouch")]
+pub struct Sweep {
+    pub sweep: Arc<sweep::Sweep>,
+    /// Name in messages.
+    file: PathBuf,
+}
+
+impl Sweep {
+    pub fn of(sweep: sweep::Sweep, file: PathBuf) -> Self {
+        Self { sweep: Arc::new(sweep), file }
+    }
+}
+
+// The tables of a sweep file are Python's keywords: each is an argument.
+#[allow(clippy::too_many_arguments)]
+#[pymethods]
+impl Sweep {
+    /// A sweep of a scene. ``set`` says what varies: a key of the scene with the list of its values, or with a
+    /// dictionary as in the ``[[vary]]`` of a sweep file, such as ``{"uniform": [1.40, 1.44]}``. ``measures`` are
+    /// kinds, ``"contrast"`` or ``"contrast radius_mm=4"``, or dictionaries as in ``[[measure]]``; if not given, the
+    /// mean radiance, or nothing where images are kept. ``design`` is a dictionary such as ``{"kind": "sobol",
+    /// "points": 64}``; if not given, the grid of all values with all others, the last key changing fastest.
+    /// ``require`` are expressions that must hold. ``images`` keeps images, as in ``{"format": "exr", "loads":
+    /// "all"}``.
+    ///
+    /// Raises SceneError for what no sweep can hold, TypeError for values of other types.
+    #[new]
+    #[pyo3(signature = (scene, *, set, measures = None, design = None, require = None, images = None, seed = None,
+                        target_error = None, random_numbers = "common", name = None))]
+    fn by_hand(
+        scene: &Bound<'_, Scene>,
+        set: &Bound<'_, PyDict>,
+        measures: Option<Vec<Bound<'_, PyAny>>>,
+        design: Option<&Bound<'_, PyDict>>,
+        require: Option<Vec<String>>,
+        images: Option<&Bound<'_, PyDict>>,
+        seed: Option<u32>,
+        target_error: Option<f64>,
+        random_numbers: &str,
+        name: Option<String>,
+    ) -> Result<Self, Trouble> {
+        let base = scene.get();
+        let design = design.map(to_table).transpose()?.unwrap_or_else(|| toml::toml! { kind = "grid" });
+        let mut settings = toml::toml! { scene = SCENE };
+        settings.insert("design".into(), design.into());
+        settings.insert("random_numbers".into(), random_numbers.into());
+        settings.extend(images.map(to_table).transpose()?.map(|images| ("images".to_owned(), images.into())));
+        settings.extend(seed.map(|seed| ("seed".to_owned(), i64::from(seed).into())));
+        settings.extend(target_error.map(|error| ("target_error".to_owned(), error.into())));
+        let vary = set.iter().map(|(key, values)| vary(&key, &values)).collect::<PyResult<Vec<_>>>()?;
+        let measures = match (measures, images) {
+            (Some(measures), _) => measures,
+            (None, Some(_)) => Vec::new(),
+            (None, None) => vec![PyString::new(scene.py(), "mean_radiance").into_any()],
+        };
+        let measures = measures.iter().enumerate().map(|(k, one)| measure(one, k)).collect::<PyResult<Vec<_>>>()?;
+        let require = require.into_iter().flatten().map(|expression| toml::toml! { expression = expression }.into());
+        let mut file = toml::Table::new();
+        file.insert("sweep".into(), settings.into());
+        file.insert("vary".into(), vary.into());
+        file.insert("require".into(), toml::Value::Array(require.collect()));
+        file.insert("measure".into(), measures.into());
+        let text = toml::to_string(&file).map_err(|error| Trouble::input(error.to_string()))?;
+        let name = name.unwrap_or_else(|| format!("{}-sweep", base.loaded.scene.name));
+        let file = PathBuf::from(format!("{name}.toml"));
+        let sweep = sweep::Sweep::of_scene(&text, &file, (*base.loaded).clone(), base.file.clone())?;
+        Ok(Self::of(sweep, file))
+    }
+
+    /// Reads a sweep file, or the sweep of a folder that ``run`` made.
+    ///
+    /// Raises SceneError, with file, line and key, where it cannot be used, TirtouchError for a folder of something
+    /// else.
+    #[staticmethod]
+    fn open(path: PathBuf) -> Result<Self, Trouble> {
+        Ok(Self::of(sweep::Sweep::open(&path)?, path))
+    }
+
+    /// A sweep from the text of a sweep file. ``file`` is its name in messages; the files that it names are sought in
+    /// its folder.
+    ///
+    /// Raises SceneError, with line and key, where it cannot be used.
+    #[staticmethod]
+    #[pyo3(signature = (text, file = PathBuf::from("sweep.toml")))]
+    fn parse(text: &str, file: PathBuf) -> Result<Self, Trouble> {
+        Ok(Self::of(sweep::Sweep::parse(text, &file)?, file))
+    }
+
+    /// A sweep from a dictionary with the keys of a sweep file; keys that are None are left out. ``file`` is as for
+    /// ``parse``.
+    ///
+    /// Raises SceneError where it cannot be used, TypeError for what no sweep can hold.
+    #[staticmethod]
+    #[pyo3(signature = (values, file = PathBuf::from("sweep.toml")))]
+    fn from_dict(values: &Bound<'_, PyDict>, file: PathBuf) -> Result<Self, Trouble> {
+        let text = toml::to_string(&to_table(values)?).map_err(|error| Trouble::input(error.to_string()))?;
+        Self::parse(&text, file)
+    }
+
+    /// All keys, defaults included, as a dictionary.
+    fn to_dict<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Trouble> {
+        Ok(to_dict(py, &without_nulls(json(&self.sweep.file)?))?)
+    }
+
+    /// The text of the sweep file.
+    fn to_toml(&self) -> &str {
+        &self.sweep.text
+    }
+
+    /// Name of the sweep.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.sweep.name
+    }
+
+    /// Names of what varies, as columns of ``SweepResults.points`` have them.
+    #[getter]
+    fn variables(&self) -> Vec<&str> {
+        self.sweep.plan.names().collect()
+    }
+
+    /// Names of the figures, as columns of ``SweepResults.points`` have them.
+    #[getter]
+    fn figures(&self) -> Vec<&str> {
+        self.sweep.columns().collect()
+    }
+
+    /// The scene that varies.
+    #[getter]
+    fn base(&self) -> Scene {
+        Scene::of(self.sweep.base.clone(), self.sweep.base_file.clone())
+    }
+
+    /// The scene of a point; ``row`` counts from 0.
+    ///
+    /// Raises IndexError for a row that there is not, SceneError for a point that makes no scene.
+    fn scene(&self, row: usize) -> Result<Scene, Trouble> {
+        let text = self.sweep.scene_text(row).map_err(|error| no_scene(&error, &self.file))?;
+        let mut loaded = scene::parse(&text, &self.sweep.base_file)?;
+        loaded.files = self.sweep.base.files.clone();
+        Ok(Scene::of(loaded, self.sweep.base_file.clone()))
+    }
+
+    /// Computes the points that have no record yet in a folder, and writes its tables and its report, as ``tirtouch
+    /// sweep run`` does, with the same records. ``session`` traces; if not given, one is opened.
+    ///
+    /// A folder that is there is refused, unless ``resume`` goes on with it, beside other workers if there are any, or
+    /// ``force`` replaces it. ``retry`` computes points again that failed. ``shard`` is ``(k, n)``: only part k of n of
+    /// the points, from 1. ``workers`` threads press beside the one that traces (1 to 256; if not given, half of the
+    /// cores). A sweep that was stopped, by ``progress`` or Ctrl-C, keeps all points that were done: ``resume`` goes
+    /// on.
+    ///
+    /// Raises TirtouchError for a folder that cannot be written, DeviceError, Stopped, and ValueError for arguments
+    /// that make no sense. Points that cannot be computed stop nothing: they are ``failed`` in the table, with the
+    /// reason.
+    #[pyo3(signature = (folder, *, session = None, resume = false, force = false, retry = false, shard = None,
+                        workers = None, progress = None))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        session: Option<&Bound<'_, Session>>,
+        resume: bool,
+        force: bool,
+        retry: bool,
+        shard: Option<(u32, u32)>,
+        workers: Option<usize>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> Result<SweepResults, Trouble> {
+        if resume && force {
+            return Err(PyValueError::new_err("resume goes on with a folder, force replaces it: give one").into());
+        }
+        let options = options(shard, workers, retry)?;
+        let sweep = &self.sweep;
+        let told = with_session(py, session, progress, |session, observe| {
+            let start = Instant::now();
+            let records = sweep.enter(&folder, force, resume)?;
+            let before = Status::of(sweep, &records).ended();
+            let of_sweep = |error| Trouble::of_sweep(error, &folder);
+            sweep::run(sweep, &records, session, options, observe).map_err(of_sweep)?;
+            let status = tirtouch::pages::sweep::write(sweep, &records, COMMAND)?;
+            let told = status.run_json(sweep, start.elapsed().as_secs_f64(), before);
+            let mut result = tirtouch::output::described(told.clone(), Some(&folder));
+            result["command"] = serde_json::json!([COMMAND]);
+            records.write(RESULT, &format!("{result:#}\n"))?;
+            Ok(told)
+        })?;
+        Ok(SweepResults::of(sweep.clone(), folder, Some(told)))
+    }
+
+    /// How far the sweep of a folder is, from whatever records are there.
+    ///
+    /// Raises TirtouchError for a folder without records of this sweep.
+    fn status(&self, folder: PathBuf) -> Result<SweepStatus, Trouble> {
+        SweepResults::of(self.sweep.clone(), folder, None).known_status()
+    }
+
+    fn __len__(&self) -> usize {
+        self.sweep.plan.count()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<tirtouch.Sweep {:?}, {} points>", self.sweep.name, self.sweep.plan.count())
+    }
+
+    /// For pickle: text, scene, and the name of the file.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let again = py.get_type::<Self>().getattr("_again")?;
+        Ok((again, (self.to_toml(), self.base(), &self.file).into_pyobject(py)?))
+    }
+
+    /// What pickle was told.
+    #[staticmethod]
+    fn _again(text: &str, base: &Bound<'_, Scene>, file: PathBuf) -> Result<Self, Trouble> {
+        let base = base.get();
+        let sweep = sweep::Sweep::of_scene(text, &file, (*base.loaded).clone(), base.file.clone())?;
+        Ok(Self::of(sweep, file))
+    }
+}
+
+/// How points are computed.
+///
+/// # Errors
+/// `ValueError` for numbers that make no sense.
+pub fn options(shard: Option<(u32, u32)>, workers: Option<usize>, retry: bool) -> PyResult<Options> {
+    if shard.is_some_and(|(k, n)| !(1..=n).contains(&k)) {
+        return Err(PyValueError::new_err("shard must be (k, n) with k from 1 to n"));
+    }
+    if workers.is_some_and(|workers| !(1..=MOST_WORKERS).contains(&workers)) {
+        return Err(PyValueError::new_err(format!("workers must be from 1 to {MOST_WORKERS}")));
+    }
+    let usual = Options::default();
+    Ok(Options { workers: workers.unwrap_or(usual.workers), shard, retry })
+}
+
+/// A key and what it takes, as an entry of `[[vary]]`.
+fn vary(key: &Bound<'_, PyAny>, values: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
+    let key: String = key.extract().map_err(|_| PyTypeError::new_err("set: a key must be a str"))?;
+    let mut entry = toml::Table::new();
+    match to_value(values, &key)? {
+        toml::Value::Table(table) => entry = table,
+        list @ toml::Value::Array(_) => drop(entry.insert("values".into(), list)),
+        one => drop(entry.insert("fixed".into(), one)),
+    }
+    entry.entry("key").or_insert(key.into());
+    Ok(entry.into())
+}
+
+/// A measure as an entry of `[[measure]]`.
+fn measure(asked: &Bound<'_, PyAny>, number: usize) -> PyResult<toml::Value> {
+    if let Ok(table) = asked.cast::<PyDict>() {
+        return Ok(to_table(table)?.into());
+    }
+    let wrong = |why: String| PyValueError::new_err(format!("measures[{number}]: {why}"));
+    let text: String = asked.extract().map_err(|_| {
+        PyTypeError::new_err(format!("measures[{number}] must be a kind, as in \"contrast\", or a dictionary"))
+    })?;
+    let measure = by_hand::measure(&text).map_err(wrong)?;
+    toml::Value::try_from(measure).map_err(|error| wrong(error.to_string()))
+}
+
+/// The name of a sweep's file in messages, where it has none of its own.
+pub fn file_in(folder: &Path) -> PathBuf {
+    folder.join("sweep.toml")
+}
