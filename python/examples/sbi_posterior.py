@@ -31,10 +31,10 @@ the processor. What it printed of the 90 phantoms held out:
 | youngs | 83 of 90 (85 to 97 %) | 69 % | -1.3 ± 20.0 % | 6 of 6 (54 to 100 %) | 65 % | +11.4 ± 14.9 % |
 
 Held: truths within 95 % intervals, with Clopper and Pearson's interval of that share. Half widths are medians, as
-shares of the truth, over the phantoms of which both know the value. So both agree, and that of tirtouch is a quarter to two
-fifths wider: it is meant for other meshes and real frames too, and `sbi` knows only this simulator. Both say that three
-presses hardly tell the modulus: intervals of `sbi` span most of the prior, tirtouch says undefined. `sbi` is told that
-there is an inclusion, tirtouch asks (phantom 1).
+shares of the truth, over the phantoms of which both know the value. So both agree, and tirtouch's are a quarter to two
+fifths wider: its calibration allows for the error of its emulator and of other meshes, and `sbi` knows this simulator
+alone. Both say that three presses hardly tell the modulus: intervals of `sbi` span most of the prior, tirtouch says
+undefined. `sbi` is told that there is an inclusion, tirtouch asks (phantom 1).
 
 What falls short: `sbi` holds the depth in 82 of 90, which 95 % just allows; 270 simulations to learn from are few.
 """
