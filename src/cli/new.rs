@@ -83,8 +83,8 @@ impl New {
             return Err(Failure::usage(message));
         }
         let file = self.out.join(format!("{}.toml", self.name));
-        if file.exists() {
-            return Err(Failure::usage(format!("{}: is there already", file.display())).in_file(&file));
+        if file.symlink_metadata().is_ok() {
+            return Err(is_there(&file));
         }
         let asks = !self.yes && !self.talk.json && std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
         let kind = match self.kind {
@@ -109,12 +109,30 @@ impl New {
         if !schema.exists() {
             write_whole(&schema, &format!("{:#}\n", scene::schema()))?;
         }
-        write_whole(&file, &text)?;
+        write_anew(&file, &text)?;
         match self.talk.json {
             true => print(&json!({"file": file.display().to_string()}).to_string())?,
             false => print(&format!("{0}: try `tirtouch run {0}` or `tirtouch view {0}`", file.display()))?,
         }
         Ok(Outcome::Done)
+    }
+}
+
+fn is_there(file: &Path) -> Failure {
+    Failure::usage(format!("{}: is there already", file.display())).in_file(file)
+}
+
+/// Writes a file whole, where none is: one that has come to be there since stays.
+fn write_anew(file: &Path, text: &str) -> Result<(), Failure> {
+    let failed = |error: std::io::Error| Failure::failed(format!("{}: {error}", file.display())).in_file(file);
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut partial =
+        tempfile::Builder::new().prefix(".tirtouch").suffix(".partial").tempfile_in(folder).map_err(failed)?;
+    partial.write_all(text.as_bytes()).and_then(|()| partial.as_file().sync_all()).map_err(failed)?;
+    match partial.persist_noclobber(file) {
+        Ok(_) => Ok(()),
+        Err(error) if error.error.kind() == std::io::ErrorKind::AlreadyExists => Err(is_there(file)),
+        Err(error) => Err(failed(error.error)),
     }
 }
 

@@ -33,9 +33,19 @@ impl Completions {
 
 impl Man {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        if self.folder.exists() && !self.folder.is_dir() {
+            let message = format!("{}: is no folder; give one for the pages", self.folder.display());
+            return Err(Failure::usage(message).in_file(&self.folder));
+        }
         let failed = |error: std::io::Error| Failure::failed(format!("{}: {error}", self.folder.display()));
         std::fs::create_dir_all(&self.folder).map_err(failed)?;
-        clap_mangen::generate_to(CommandLine::command(), &self.folder).map_err(failed)?;
+        // All pages or none: a disk may be full.
+        let pages = tempfile::Builder::new().prefix(".tirtouch").tempdir_in(&self.folder).map_err(failed)?;
+        clap_mangen::generate_to(CommandLine::command(), pages.path()).map_err(failed)?;
+        for page in std::fs::read_dir(pages.path()).map_err(failed)? {
+            let page = page.map_err(failed)?;
+            std::fs::rename(page.path(), self.folder.join(page.file_name())).map_err(failed)?;
+        }
         Ok(Outcome::Done)
     }
 }

@@ -16,6 +16,8 @@ use tokio::sync::watch;
 pub(super) struct Wish {
     /// Counted from 1.
     pub number: u64,
+    /// The numbers that are other than the file's.
+    pub values: BTreeMap<String, f64>,
     pub loaded: Arc<LoadedScene>,
 }
 
@@ -60,7 +62,7 @@ pub struct Desk {
 impl Desk {
     /// A desk for a scene; `file` is where it came from.
     pub fn new(base: LoadedScene, file: PathBuf) -> Self {
-        let wish = Wish { number: 1, loaded: Arc::new(base.clone()) };
+        let wish = Wish { number: 1, values: BTreeMap::new(), loaded: Arc::new(base.clone()) };
         let seen = Seen { busy: true, ..Seen::default() };
         Self {
             base,
@@ -94,10 +96,16 @@ impl Desk {
         let sets = values.iter().map(set).collect::<Result<Vec<_>, SceneError>>()?;
         let loaded = vary::with(self.base.clone(), &self.file, &sets)?;
         let mut wish = self.lock();
-        *wish = Wish { number: wish.number + 1, loaded: Arc::new(loaded) };
+        *wish = Wish { number: wish.number + 1, values: values.clone(), loaded: Arc::new(loaded) };
         self.latest.store(wish.number, Ordering::Relaxed);
         self.wished.notify_all();
         Ok(wish.number)
+    }
+
+    /// Number of the latest wish, and its numbers that are other than the file's.
+    pub(super) fn latest(&self) -> (u64, BTreeMap<String, f64>) {
+        let wish = self.lock();
+        (wish.number, wish.values.clone())
     }
 
     /// The text of the scene that is wished for.

@@ -48,9 +48,9 @@ function makeKnob(knob) {
     range.value = number.value;
     take(number.valueAsNumber);
   });
-  row.reset = () => {
-    range.value = number.value = knob.value;
-    row.classList.remove('changed');
+  row.show = (value) => {
+    range.value = number.value = value;
+    row.classList.toggle('changed', value !== knob.value);
   };
   const pair = document.createElement('div');
   pair.append(range, number);
@@ -65,9 +65,16 @@ at('filter').addEventListener('input', () => {
   const part = at('filter').value.toLowerCase();
   for (const row of at('others').children) row.hidden = !row.dataset.key.toLowerCase().includes(part);
 });
-at('reset').addEventListener('click', () => {
+
+/** Takes the numbers of a wish that another page made, or this one before it was loaded again. */
+function adopt(values) {
   changed.clear();
-  rows.forEach((row) => row.reset());
+  Object.entries(values).forEach(([key, value]) => changed.set(key, value));
+  rows.forEach((row, k) => row.show(changed.get(row.dataset.key) ?? told.knobs[k].value));
+}
+
+at('reset').addEventListener('click', () => {
+  adopt({});
   send();
 });
 
@@ -86,12 +93,15 @@ async function send() {
     waits = false;
     try {
       const answer = await fetch(url('/wish'), { method: 'POST', body: JSON.stringify(Object.fromEntries(changed)) });
-      const told = await answer.json();
-      const { error } = told;
+      const text = await answer.text();
+      const isJson = answer.headers.get('content-type') === 'application/json';
+      const { wish, error } = isJson ? JSON.parse(text) : { error: { message: text } };
       at('refused').textContent = error ? [error.key, error.message].filter(Boolean).join(': ') : '';
-      if (!error) wished = told.wish;
+      if (!error) wished = wish;
     } catch {
-      at('refused').textContent = 'The program does not answer: it has ended.';
+      at('refused').textContent = 'The program does not answer; this is tried again.';
+      await new Promise((later) => { setTimeout(later, 1000); });
+      waits = true;
     }
   } while (waits);
   sending = false;
@@ -275,6 +285,10 @@ async function follow() {
       if (!answer.ok) throw new Error(await answer.text());
       const seen = await answer.json();
       after = seen.revision;
+      if (!sending && seen.latest.wish > wished) {
+        wished = seen.latest.wish;
+        adopt(seen.latest.values);
+      }
       if (seen.look) {
         await show(seen.look);
         tellFigures(seen.look.said, seen.estimates);

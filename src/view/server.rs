@@ -27,7 +27,9 @@ use tokio::time::timeout;
 
 /// Connections at a time; a page has six.
 const MOST_CONNECTIONS: usize = 64;
-/// Bytes of a request's head and of its body; a scene has a few hundred numbers.
+/// Numbers of a wish: a scene has a few hundred, and each is looked for in its text.
+const MOST_NUMBERS: usize = 1000;
+/// Bytes of a request's head and of its body.
 const MOST_HEAD: usize = 16 << 10;
 const MOST_BODY: usize = 64 << 10;
 /// Time for a request to arrive.
@@ -209,13 +211,16 @@ async fn seen(request: &Request<Incoming>, desk: &Desk) -> Answer {
     let newer = async { seen.wait_for(|seen| seen.revision > after).await.map(|seen| seen.clone()) };
     let news = timeout(NEWS, newer).await;
     match news {
-        Ok(Ok(seen)) => json_of(StatusCode::OK, &told(&seen)),
-        _ => json_of(StatusCode::OK, &told(&desk.seen().borrow())),
+        Ok(Ok(seen)) => json_of(StatusCode::OK, &told(desk, &seen)),
+        _ => json_of(StatusCode::OK, &told(desk, &desk.seen().borrow())),
     }
 }
 
-fn told(seen: &Seen) -> Value {
+fn told(desk: &Desk, seen: &Seen) -> Value {
     let mut told = json!(seen);
+    // Another page may have wished for it, or this one before it was loaded again.
+    let (number, values) = desk.latest();
+    told["latest"] = json!({"wish": number, "values": values});
     told["look"] = match &seen.look {
         Some(look) => json!({"wish": look.wish, "step": look.step, "is_last": look.is_last, "said": look.said}),
         None => Value::Null,
@@ -241,6 +246,9 @@ async fn wish(request: Request<Incoming>, desk: &Desk) -> Answer {
             return json_of(StatusCode::BAD_REQUEST, &json!({"error": why}));
         }
     };
+    if values.len() > MOST_NUMBERS {
+        return plain(StatusCode::PAYLOAD_TOO_LARGE, "no scene has so many numbers");
+    }
     match desk.wish(&values) {
         Ok(number) => json_of(StatusCode::OK, &json!({"wish": number})),
         Err(error) => {

@@ -163,7 +163,13 @@ fn a_wish_changes_the_scene_or_says_why_not() {
         assert!(answer.to_string().contains(said), "{body}: {answer}");
     }
     assert_eq!(served.wish(&format!("{{\"a\": {}1}}", " ".repeat(1 << 20))).0, 413);
-    // What was refused has changed nothing, and no numbers are those of the file.
+    let many: BTreeMap<String, f64> = (0..1001).map(|k| (format!("k{k}"), 1.0)).collect();
+    assert_eq!(served.wish(&json!(many).to_string()).0, 413);
+    served.desk.show(|_| ());
+    // What was refused has changed nothing; a page that is opened now learns what was wished for.
+    let seen: Value = serde_json::from_str(&served.get("/seen?after=0").1).unwrap();
+    assert_eq!(seen["latest"], json!({"wish": 2, "values": {"stack.layer[0].n": 1.43}}));
+    // No numbers are those of the file.
     assert_eq!(served.get("/scene.toml").1, text);
     assert_eq!(served.wish("{}").1, json!({"wish": 3}));
     assert_eq!(served.get("/scene.toml").1, small().text);

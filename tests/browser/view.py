@@ -70,6 +70,11 @@ def check(browser: Chromium, url: str, folder: Path | None) -> None:
     if folder:
         browser.picture(folder / "view.png")
 
+    browser.call("Page.reload")
+    browser.wait(f"document.readyState === 'complete' && document.body.dataset.shown && {DONE}")
+    kept = browser.value(f"document.querySelector(\"[data-key='{KEY}'] input[type=number]\").valueAsNumber")
+    assert kept == number, f"loaded again, the slider stands at {kept}, the image is of {number}"
+
     field = f"document.querySelector(\"[data-key='{KEY}'] input[type=number]\")"
     browser.value(f"{field}.value = '-1'; {field}.dispatchEvent(new Event('change'))")
     browser.wait(f"document.getElementById('refused').textContent.includes('{KEY}')")

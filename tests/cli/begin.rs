@@ -1,6 +1,7 @@
 //! `new`, `completions` and `man`.
 
 use super::*;
+use std::process::Stdio;
 
 #[test]
 fn a_new_scene_is_one_that_can_be_inspected() {
@@ -20,6 +21,22 @@ fn a_new_scene_is_one_that_can_be_inspected() {
 
     let again = tirtouch_in(folder.path(), &["new", "my-dent"]);
     assert_eq!((code(&again), one_line(&again)), (2, "./my-dent.toml: is there already"));
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("nowhere", folder.path().join("link.toml")).unwrap();
+        let refused = tirtouch_in(folder.path(), &["new", "link"]);
+        assert_eq!((code(&refused), one_line(&refused)), (2, "./link.toml: is there already"));
+    }
+    // Several at once: one of them writes it.
+    let start = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tirtouch"));
+        command.args(["new", "same"]).current_dir(folder.path()).stdout(Stdio::null()).stderr(Stdio::null());
+        command.spawn().unwrap()
+    };
+    let started: Vec<_> = (0..6).map(|_| start()).collect();
+    let codes: Vec<_> = started.into_iter().map(|mut child| child.wait().unwrap().code().unwrap()).collect();
+    assert_eq!(codes.iter().filter(|code| **code == 0).count(), 1, "{codes:?}");
+    assert_eq!(codes.iter().filter(|code| **code == 2).count(), 5, "{codes:?}");
     for name in ["", "../a", ".a", "a/b", "a\nb"] {
         let refused = tirtouch_in(folder.path(), &["new", name]);
         assert_eq!(code(&refused), 2, "{refused:?}");
@@ -42,6 +59,9 @@ fn shells_and_manuals_know_every_command() {
         let printed = text(&printed.stdout);
         assert!(commands.iter().all(|command| printed.contains(command)), "{shell}");
     }
+    let refused = tirtouch(&["man", &shown(std::env::current_exe().unwrap())]);
+    assert_eq!(code(&refused), 2, "{refused:?}");
+    assert!(one_line(&refused).contains("is no folder"));
     let folder = tempfile::tempdir().unwrap();
     let pages = folder.path().join("man/man1");
     assert_eq!(code(&tirtouch(&["man", &shown(pages.clone())])), 0);
@@ -49,4 +69,6 @@ fn shells_and_manuals_know_every_command() {
         let page = std::fs::read_to_string(pages.join(format!("tirtouch-{command}.1"))).unwrap();
         assert!(page.contains(".SH NAME"), "{command}");
     }
+    let all = std::fs::read_dir(&pages).unwrap().map(|page| page.unwrap().file_name().into_string().unwrap());
+    assert!(all.into_iter().all(|name| name.starts_with("tirtouch") && name.ends_with(".1")));
 }
