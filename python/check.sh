@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds the wheel and tests it: `bash python/check.sh [PYTHON...]`, each a command such as python3.12. Without
 # arguments the newest and the oldest python3.X from 3.10 on that are on PATH or that pyenv has; where there is none, a
-# Debian gets its own. Each has the wheel in a clean environment of its own. The first runs every test; the others, to
-# which the wheel is the same file, those of scenes and arrays.
+# Debian gets its own. Each has the wheel in a clean environment of its own. The first runs every test and builds the
+# documentation; the others, to which the wheel is the same file, run the tests of scenes and arrays.
 #
 # Cargo's target folder is that of the whole repository, so what its tests have compiled is not compiled again.
 set -euo pipefail
@@ -82,6 +82,10 @@ for python in "${pythons[@]}"; do
     say "Python $version"
     "$venv/bin/python" -m pytest -q -p no:cacheprovider "${tests[@]}"
     "$venv/bin/python" -m mypy.stubtest tirtouch --mypy-config-file python/pyproject.toml
+    if [ "$python" = "${pythons[0]}" ]; then
+        "$venv/bin/pip" install --quiet --disable-pip-version-check 'pdoc>=16,<17'
+        bash python/docs.sh "$venv/bin/python"
+    fi
     tests=(python/tests/test_scene.py python/tests/test_render.py)
 done
 say "all tests passed"

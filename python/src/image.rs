@@ -146,7 +146,7 @@ impl Image {
         self.taken.summary.seed
     }
 
-    /// Scale of the frame at the touched face, mm.
+    /// Scale of the frame at the touched face, mm per pixel.
     #[getter]
     fn mm_per_pixel(&self) -> f64 {
         self.taken.mm_per_pixel
@@ -163,7 +163,8 @@ impl Image {
     /// ``threshold``: brighter pixels are lit, in grey levels or as a share of full scale like ``"2%"``; the paper's 5
     /// levels if not given.
     ///
-    /// Raises SceneError for a reference of another size or depth.
+    /// Raises SceneError for a reference of another size or bit depth, ValueError and TypeError for a threshold that
+    /// makes no sense.
     #[pyo3(signature = (*, threshold = None, reference = None))]
     fn read(
         &self,

@@ -115,7 +115,7 @@ impl Load {
         self.step.force_n
     }
 
-    /// Largest pressure over 0.8 of the footprint's radius, kPa.
+    /// Largest pressure within 0.8 of the footprint's radius, kPa; under an indenter over all of the face.
     #[getter]
     fn peak_pressure_kpa(&self) -> f64 {
         self.step.peak_pressure_kpa

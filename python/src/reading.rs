@@ -54,7 +54,7 @@ impl Reading {
         (&self.summary.figures.h_grey).into()
     }
 
-    /// Sum M of the grey values.
+    /// Sum M of the grey values of all pixels, grey levels.
     #[getter]
     fn sum_grey(&self) -> Value {
         (&self.summary.figures.sum_grey).into()

@@ -52,8 +52,8 @@ impl Scan {
         SCAN_PRESETS.iter().map(|(name, _)| *name).collect()
     }
 
-    /// A scan scene from the text of its file. ``file`` is its name in messages; files that the scene names are sought
-    /// in its folder when they are needed.
+    /// A scan scene from the text of its file. ``file`` is its name in messages, ``scan.toml`` if not given; files that
+    /// the scene names are sought in its folder when they are needed.
     ///
     /// Raises SceneError, with line and key, where it cannot be used.
     #[staticmethod]

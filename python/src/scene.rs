@@ -51,8 +51,8 @@ impl Scene {
         PRESETS.iter().map(|(name, _)| *name).collect()
     }
 
-    /// A scene from the text of a scene file. ``file`` is its name in messages; files that the scene names are sought
-    /// in its folder when they are needed.
+    /// A scene from the text of a scene file. ``file`` is its name in messages, ``scene.toml`` if not given; files that
+    /// the scene names are sought in its folder when they are needed.
     ///
     /// Raises SceneError, with line and key, where it cannot be used.
     #[staticmethod]
@@ -138,7 +138,7 @@ fn set_of(key: &Bound<'_, PyAny>, value: &Bound<'_, PyAny>, file: &Path) -> Resu
     Ok(Set { key: key.parse().map_err(wrong)?, value })
 }
 
-/// The JSON schema of the scene file, or of the sweep file, as a dictionary.
+/// The JSON schema of scene files, or with ``sweep`` of sweep files, as a dictionary.
 #[pyfunction]
 #[pyo3(signature = (*, sweep = false))]
 pub fn schema(py: Python<'_>, sweep: bool) -> PyResult<Bound<'_, PyAny>> {

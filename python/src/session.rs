@@ -25,6 +25,11 @@ const BETWEEN_LOOKS: Duration = Duration::from_millis(20);
 /// Devices with the kernels built on them, and the last presses: what stays from image to image. The first image of a
 /// kind compiles its kernels; later ones find them.
 ///
+/// A session opens a GPU where there is one, else the CPU tracer (``backend`` ``"auto"``), or what is asked for
+/// (``"gpu"``, ``"cpu"``). ``precision`` ``"f64"`` is computed on the CPU only.
+///
+/// Raises DeviceError where a GPU is asked for and there is none, ValueError for other names.
+///
 /// Threads may share a session: they use it one after the other. ``progress`` of its methods is a callable
 /// ``progress(what: str, done: float)``, called about ten times a second, that stops the work by returning False; True
 /// shows a bar if tqdm is installed. Ctrl-C stops the work too.
@@ -127,10 +132,7 @@ pub fn images(
 #[allow(clippy::too_many_arguments)]
 #[pymethods]
 impl Session {
-    /// Opens a GPU where there is one, else the CPU tracer (``backend`` ``"auto"``), or what is asked for (``"gpu"``,
-    /// ``"cpu"``). ``precision`` ``"f64"`` is computed on the CPU only.
-    ///
-    /// Raises DeviceError where a GPU is asked for and there is none, ValueError for other names.
+    // Python shows no docstring of a constructor: what it takes is said of the class.
     #[new]
     #[pyo3(signature = (backend = "auto", precision = "f32"))]
     fn open(py: Python<'_>, backend: &str, precision: &str) -> Result<Self, Trouble> {

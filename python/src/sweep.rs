@@ -23,6 +23,20 @@ const MOST_WORKERS: usize = 256;
 
 /// Many points of a scene: keys that vary, a design of points, and what is measured at each (docs/SWEEPS.md). It never
 /// changes; ``len`` is how many points there are.
+///
+/// ``scene`` is the scene that varies. ``set`` says what varies: a key of the scene with the list of its values, or
+/// with a dictionary as in the ``[[vary]]`` of a sweep file, such as ``{"uniform": [1.40, 1.44]}``. ``measures`` are
+/// kinds, ``"contrast"`` or ``"contrast radius_mm=4"``, or dictionaries as in ``[[measure]]``; if not given, the mean
+/// radiance, or nothing where images are kept. ``design`` is a dictionary such as ``{"kind": "sobol", "points": 64}``;
+/// if not given, the grid of all values with all others, the last key changing fastest. ``require`` are expressions
+/// that must hold. ``images`` keeps images, as in ``{"format": "exr", "loads": "all"}``.
+///
+/// ``seed`` of all random numbers is the scene's if not given. ``target_error`` is the relative error that each image
+/// is traced to; if not given, samples are the scene's. ``random_numbers`` ``"common"`` are the same at all points, so
+/// that images differ by what varies and little noise; ``"own"`` are of each point. ``name`` is the sweep's, also in
+/// messages; if not given, it is made of the scene's.
+///
+/// Raises SceneError for what no sweep can hold, TypeError for values of other types.
 #[pyclass(frozen, module = "tirtouch")]
 pub struct Sweep {
     pub sweep: Arc<sweep::Sweep>,
@@ -40,15 +54,7 @@ impl Sweep {
 #[allow(clippy::too_many_arguments)]
 #[pymethods]
 impl Sweep {
-    /// A sweep of a scene. ``set`` says what varies: a key of the scene with the list of its values, or with a
-    /// dictionary as in the ``[[vary]]`` of a sweep file, such as ``{"uniform": [1.40, 1.44]}``. ``measures`` are
-    /// kinds, ``"contrast"`` or ``"contrast radius_mm=4"``, or dictionaries as in ``[[measure]]``; if not given, the
-    /// mean radiance, or nothing where images are kept. ``design`` is a dictionary such as ``{"kind": "sobol",
-    /// "points": 64}``; if not given, the grid of all values with all others, the last key changing fastest.
-    /// ``require`` are expressions that must hold. ``images`` keeps images, as in ``{"format": "exr", "loads":
-    /// "all"}``.
-    ///
-    /// Raises SceneError for what no sweep can hold, TypeError for values of other types.
+    // Python shows no docstring of a constructor: what it takes is said of the class.
     #[new]
     #[pyo3(signature = (scene, *, set, measures = None, design = None, require = None, images = None, seed = None,
                         target_error = None, random_numbers = "common", name = None))]
@@ -101,8 +107,8 @@ impl Sweep {
         Ok(Self::of(sweep::Sweep::open(&path)?, path))
     }
 
-    /// A sweep from the text of a sweep file. ``file`` is its name in messages; the files that it names are sought in
-    /// its folder.
+    /// A sweep from the text of a sweep file. ``file`` is its name in messages, ``sweep.toml`` if not given; the files
+    /// that it names are sought in its folder.
     ///
     /// Raises SceneError, with line and key, where it cannot be used.
     #[staticmethod]

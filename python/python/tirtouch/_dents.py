@@ -1,6 +1,6 @@
 """Faces of a stack of layers, flat or dented, as triangles. Lengths are mm; z points up from the lowest face."""
 
-from __future__ import annotations
+# Not from __future__ import annotations: the constructor of a named tuple would have texts for types.
 
 import math
 from typing import Any, NamedTuple
@@ -13,8 +13,11 @@ class Mesh(NamedTuple):
     """Triangles of one face: vertices (mm, n x 3), their numbers (m x 3), unit normals at the vertices or None."""
 
     vertices: NDArray[np.float64]
+    """Places, mm, of shape (vertices, 3)."""
     triangles: NDArray[np.int64]
+    """Numbers of the vertices of each triangle, of shape (triangles, 3)."""
     normals: NDArray[np.float64] | None = None
+    """Unit normals at the vertices, of their shape, or None."""
 
 
 class Stack:

@@ -16,9 +16,13 @@ class TirtouchError(Exception):
     """
 
     file: str | None
+    """The file that is to blame."""
     line: int | None
+    """Its line, from 1."""
     key: str | None
+    """The key of the scene or sweep that is to blame."""
     others: tuple[str, ...]
+    """The other mistakes of the file, a line each."""
 
     def __init__(
         self,
@@ -46,6 +50,7 @@ class PressError(TirtouchError):
     """A press that stopped early. ``reached`` is the press with the loads before; pickled, it is None."""
 
     reached: Press | None
+    """The press with the loads before the one that failed; None where it was pickled."""
 
     def __init__(self, message: str, reached: Press | None = None, **place: Any) -> None:
         super().__init__(message, **place)

@@ -45,7 +45,6 @@ _Path = str | PathLike[str]
 # Called with what is being done and the share of it (0 to 1); False stops the work. True: a bar, if tqdm is installed.
 _Progress = Callable[[str, float], object] | bool | None
 _Integrator = Literal["auto", "path", "splat", "map"]
-_Calibration = Calibration | _Path
 _Set = float | str | bool | Sequence[Any] | NDArray[Any] | dict[str, Any]
 
 @final
@@ -491,6 +490,8 @@ class Calibration:
     def scene(self) -> Scene: ...
     def unsuited(self, scene: Scene) -> str | None: ...
     def to_dict(self) -> dict[str, Any]: ...
+
+_Calibration = Calibration | _Path
 
 @final
 class Unknown:

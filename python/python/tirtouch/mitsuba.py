@@ -1,6 +1,6 @@
 """Scenes for Mitsuba 3, another renderer, so that whoever doubts an image can check it.
 
->>> import mitsuba
+>>> import mitsuba, tirtouch
 >>> mitsuba.set_variant("llvm_ad_mono")  # or "scalar_rgb", which needs no LLVM and is slow
 >>> from tirtouch.mitsuba import radiance, to_mitsuba
 >>> loaded = mitsuba.load_dict(to_mitsuba(tirtouch.Scene.preset("contact-disc")))
