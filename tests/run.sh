@@ -101,6 +101,6 @@ for file in examples/*.rs; do examples+=(--example "$(basename "$file" .rs)"); d
 # wheel's, and `python/check.sh` finds it compiled.
 packages=(-p tirtouch -p tirtouch-python)
 run cargo build --profile ci --locked "${packages[@]}" "${examples[@]}"
-run cargo test --profile ci --locked "${packages[@]}" --bins --tests --examples "$@"
+run cargo test --profile ci --locked "${packages[@]}" --tests "$@"
 run cargo test --profile ci --locked "${packages[@]}" --doc "$@"
 say "all tests passed"

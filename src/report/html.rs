@@ -1,6 +1,6 @@
 //! The report: one HTML file with everything inside, for screens of any width, light or dark.
 
-use super::explore::{self, Explore};
+use super::explore::{self, Explore, Points};
 use super::ticks;
 use crate::estimate::{Estimates, PaperEstimate, Value};
 use crate::film::Ledger;
@@ -54,6 +54,8 @@ pub enum Item {
     Ledger(Ledger),
     /// What answers to a pointer; it brings its own heading, in a section without one.
     Explore(Box<Explore>),
+    /// Points to be gone through; with its own heading too.
+    Points(Points),
 }
 
 /// A table of text.
@@ -191,7 +193,10 @@ fn item(item: &Item) -> Markup {
         Item::Table(table) => text_table(table),
         Item::Values(values) => value_table(values),
         Item::Ledger(ledger) => ledger_table(ledger),
-        Item::Explore(explore) => explored(explore),
+        Item::Explore(explore) => answering(explore::PAGE, "explore-data", &explore.json(), &explore::SCRIPTS),
+        Item::Points(points) => {
+            answering(explore::POINTS_PAGE, "points-data", &explore::in_page(points), &explore::POINTS_SCRIPTS)
+        }
     }
 }
 
@@ -212,12 +217,13 @@ fn in_address(svg: &str) -> String {
     address
 }
 
-fn explored(explore: &Explore) -> Markup {
+/// A skeleton, what it is filled with, and what fills it.
+fn answering(skeleton: &str, id: &str, content: &str, scripts: &[&str]) -> Markup {
     html! {
-        (PreEscaped(explore::PAGE))
+        (PreEscaped(skeleton))
         style { (PreEscaped(explore::STYLE)) }
-        script type="application/json" id="explore-data" { (PreEscaped(explore.json())) }
-        @for script in explore::SCRIPTS { script { (PreEscaped(script)) } }
+        script type="application/json" id=(id) { (PreEscaped(content)) }
+        @for script in scripts { script { (PreEscaped(script)) } }
     }
 }
 

@@ -220,10 +220,13 @@ impl Sweep {
         {
             return Err(Invalid::new(format!("measure[{k}].kind"), "needs a scene with a [press]"));
         }
-        if sweep.file.sweep.images.is_some_and(|images| images.baseline || images.masks)
+        if sweep.file.sweep.images.is_some_and(|images| images.baseline || images.masks || images.pressures)
             && sweep.base.scene.press.is_none()
         {
-            return Err(Invalid::new("sweep.images", "has a baseline or masks, which need a scene with a [press]"));
+            return Err(Invalid::new(
+                "sweep.images",
+                "has a baseline, masks or pressures, which need a scene with a [press]",
+            ));
         }
         if let Some(k) = sweep.file.measure.iter().position(Measure::needs_baseline)
             && sweep.base.scene.press.is_none()

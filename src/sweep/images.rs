@@ -6,11 +6,12 @@ use crate::image_io::{write_npy, write_png_grey};
 use crate::mechanics::mesh::{InclusionShape, Star};
 use crate::output::{OutputError, Records};
 use crate::pipeline::{Shot, view_of};
+use crate::surface::pressed::pressure_at;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Which images of a point are kept.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Images {
     /// The camera's grey frame, or the radiance.
@@ -25,6 +26,9 @@ pub struct Images {
     /// A mask of what lies over an inclusion: its true outline, as the camera would see it on the touched face.
     #[serde(default)]
     pub masks: bool,
+    /// The contact pressure of each image's load where its pixels see the touched face, kPa: an array of NumPy's.
+    #[serde(default)]
+    pub pressures: bool,
     /// Share of the points whose images are for testing. Default: 0.
     #[serde(default)]
     pub test_share: f64,
@@ -106,7 +110,12 @@ impl Images {
         format!("{row:07}_mask.png")
     }
 
-    /// Keeps an image.
+    /// Name of the contact pressures of an image.
+    pub fn pressure_file(image: &str) -> String {
+        format!("{}_pressure.npy", image.split_once('.').map_or(image, |(stem, _)| stem))
+    }
+
+    /// Keeps an image, with its contact pressures where they are asked for.
     pub(super) fn keep(
         &self,
         records: &Records,
@@ -120,6 +129,11 @@ impl Images {
         };
         let step = shot.prepared.pressed().map(|(_, step)| step);
         self.write(records, row, &file, shot)?;
+        if self.pressures {
+            let [width, _] = shot.prepared.scene().camera.pixels;
+            let name = format!("{}/{}", self.split(row), Self::pressure_file(&file));
+            records.write_with(&name, |path| write_npy(path, width, &pressures(shot)))?;
+        }
         Ok(Kept {
             file,
             load: load.zip(step).map(|(load, step)| (load, step.depth_mm, step.force_n)),
@@ -167,6 +181,18 @@ fn mask(shot: &Shot) -> Vec<u16> {
         if over { 255 } else { 0 }
     };
     (0..width * height).map(pixel).collect()
+}
+
+/// Contact pressure where each pixel sees the touched face, kPa; 0 where it sees none.
+fn pressures(shot: &Shot) -> Vec<f32> {
+    let scene = shot.prepared.scene();
+    let [width, height] = scene.camera.pixels.map(|pixels| pixels as usize);
+    let (Some((pressed, step)), Ok(view)) = (shot.prepared.pressed(), view_of(scene)) else {
+        return vec![0.0; width * height];
+    };
+    let pressure = pressure_at(pressed, step);
+    let middle = |k: usize| [(k % width) as f64 + 0.5, (k / width) as f64 + 0.5];
+    (0..width * height).map(|k| view.touched_from_pixel(middle(k)).map_or(0.0, &pressure) as f32).collect()
 }
 
 /// Whether a point of the face lies over an inclusion.
@@ -217,8 +243,7 @@ mod tests {
 
     #[test]
     fn a_split_is_of_the_row_alone() {
-        let images =
-            |test_share| Images { format: Format::Png, loads: Loads::Last, baseline: false, masks: false, test_share };
+        let images = |test_share| Images { test_share, ..Images::default() };
         let count = |share| (0..10_000).filter(|&row| images(share).is_test(row)).count();
         assert_eq!(count(0.0), 0);
         // 2000 and three standard deviations of 40.

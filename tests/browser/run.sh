@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The live page in a headless Chromium: `bash tests/browser/run.sh [FOLDER]`; pictures of it go to FOLDER. The browser
+# Pages in a headless Chromium: `bash tests/browser/run.sh [FOLDER]`; pictures of them go to FOLDER. The browser
 # is installed on Debian where there is none. `TIRTOUCH_PROFILE` is cargo's profile.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -12,4 +12,7 @@ folder="$profile"
 # Both packages are named, so that features are those of the Python package: then the library is compiled once.
 cargo build --profile "$profile" --locked -p tirtouch -p tirtouch-python --bin tirtouch
 [ $# -eq 0 ] || mkdir -p "$1"
-python3 tests/browser/view.py "${CARGO_TARGET_DIR:-target}/$folder/tirtouch" "$@"
+program="${CARGO_TARGET_DIR:-target}/$folder/tirtouch"
+python3 tests/browser/view.py "$program" "$@"
+python3 tests/browser/sweep.py "$program" "$@"
+

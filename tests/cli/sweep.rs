@@ -266,7 +266,7 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
         &format!(
             "[sweep]\nscene = \"phantom.toml\"\ndesign = {{ kind = \"sobol\", points = 4, seed = 1 }}\n\
              random_numbers = \"own\"\n\
-             images = {{ loads = \"all\", baseline = true, masks = true, test_share = 0.4 }}\n\
+             images = {{ loads = \"all\", baseline = true, masks = true, pressures = true, test_share = 0.4 }}\n\
              [[vary]]\nname = \"size\"\nkey = \"{sphere}\"\nuniform = [5, 12]\n\
              [[measure]]\nkind = \"force\"\n[[measure]]\nkind = \"paper\"\nless_baseline = true\n"
         ),
@@ -280,6 +280,9 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
     let folder = place.path().join("set");
     let mut images = 0;
     let mut splits = 0;
+    // Pixels about the middle of 32 x 24, and the mean pressure there at each load.
+    let within = |k: usize| (k % 32).abs_diff(16) < 6 && (k / 32).abs_diff(12) < 6;
+    let mut means = [Vec::new(), Vec::new()];
     for split in ["train", "test"] {
         let Ok(mut labels) = csv::Reader::from_path(folder.join(split).join("metadata.csv")) else { continue };
         splits += 1;
@@ -298,10 +301,20 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
             let scale: f64 = cell("mm_per_pixel").parse().unwrap();
             let found = 2.0 * (pixels / std::f64::consts::PI).sqrt() * scale;
             assert!((found / size - 1.0).abs() < 0.15, "{found} {size}");
+            let bytes = std::fs::read(folder.join(split).join(cell("pressure_npy"))).unwrap();
+            assert_eq!(bytes.len(), 128 + 4 * 32 * 24);
+            let kpa = bytes[128..].chunks_exact(4).map(|v| f64::from(f32::from_le_bytes(v.try_into().unwrap())));
+            let inner: Vec<f64> = kpa.enumerate().filter(|(k, _)| within(*k)).map(|(_, kpa)| kpa).collect();
+            assert!(inner.iter().all(|kpa| *kpa > 0.0), "{inner:?}");
+            let load = cell("load").parse::<usize>().unwrap();
+            means[load].push(inner.iter().sum::<f64>() / inner.len() as f64);
             images += 1;
         }
     }
     assert_eq!((images, splits), (8, 2));
+    // Twice the depth presses about twice as hard.
+    let mean = |load: usize| means[load].iter().sum::<f64>() / means[load].len() as f64;
+    assert!((1.8..2.3).contains(&(mean(1) / mean(0))), "{means:?}");
     let card = std::fs::read_to_string(folder.join("README.md")).unwrap();
     assert!(card.contains("8 images of 4 points") && card.contains("| `size` |"), "{card}");
 

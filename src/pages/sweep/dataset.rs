@@ -7,14 +7,15 @@ use crate::pages::tables::table;
 use crate::pipeline::Truth;
 use crate::sweep::{Format, Images, Loads, Record, Sweep};
 
-/// `metadata.csv` of a split: a row an image, with its file, those of its baseline and mask, what varied and what is
-/// true.
+/// `metadata.csv` of a split: a row an image, with its file, those of its baseline, mask and contact
+/// pressures, what varied and what is true.
 ///
 /// # Errors
 /// Never for what a sweep holds.
 pub fn metadata_csv(sweep: &Sweep, images: &Images, records: &Records, split: &str) -> Result<String, PageError> {
     let mut head = vec!["file_name".to_owned()];
-    let beside = [("baseline_file_name", images.baseline), ("mask_file_name", images.masks)];
+    let beside =
+        [("baseline_file_name", images.baseline), ("mask_file_name", images.masks), ("pressure_npy", images.pressures)];
     head.extend(beside.iter().filter(|(_, kept)| *kept).map(|(name, _)| (*name).to_owned()));
     head.push("row".into());
     head.extend(sweep.plan.names().map(str::to_owned));
@@ -40,6 +41,7 @@ fn rows(sweep: &Sweep, images: &Images, row: usize, record: &Record) -> Vec<Vec<
         let mut cells = vec![kept.file.clone()];
         cells.extend(images.baseline.then(|| images.baseline_file(row)));
         cells.extend(images.masks.then(|| Images::mask_file(row)));
+        cells.extend(images.pressures.then(|| Images::pressure_file(&kept.file)));
         cells.push(row.to_string());
         cells.extend(record.values.iter().map(ToString::to_string));
         cells.extend(truth.clone());

@@ -4,8 +4,10 @@
 //! scripts nothing of it is seen.
 
 mod packed;
+mod points;
 
 pub use packed::Packed;
+pub use points::{Point, Points};
 
 use super::false_color::{ColorScale, Mapping, color};
 use super::raster::Raster;
@@ -206,6 +208,9 @@ pub(super) const STYLE: &str = include_str!("explore.css");
 /// The scripts, in order: numbers, a picture that tells them, a body that turns, and all of it linked.
 pub(super) const SCRIPTS: [&str; 4] =
     [include_str!("numbers.js"), include_str!("probe.js"), include_str!("solid.js"), include_str!("explore.js")];
+/// The same of the points of a sweep.
+pub(super) const POINTS_PAGE: &str = include_str!("points.html");
+pub(super) const POINTS_SCRIPTS: [&str; 2] = [include_str!("numbers.js"), include_str!("points.js")];
 
 impl Explore {
     /// All that the scripts know, as JSON that is safe inside of a page.
@@ -221,10 +226,13 @@ impl Explore {
             pressure: hex(|share| rgb(colorous::YELLOW_ORANGE_RED.eval_continuous(share))),
             signed: hex(|share| rgb(colorous::RED_BLUE.eval_continuous(1.0 - share))),
         };
-        // Numbers, texts and lists of them always become JSON.
-        let json = serde_json::to_string(&Whole { explore: self, palettes }).unwrap_or_default();
-        json.replace('<', "\\u003c")
+        in_page(&Whole { explore: self, palettes })
     }
+}
+
+/// JSON that does not end the script around it. Numbers, texts and lists of them always become some.
+pub(super) fn in_page(content: &impl Serialize) -> String {
+    serde_json::to_string(content).unwrap_or_default().replace('<', "\\u003c")
 }
 
 #[cfg(test)]

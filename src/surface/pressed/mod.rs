@@ -72,8 +72,14 @@ pub fn pressed_contact(loaded: &LoadedScene, pressed: &Pressed, step: &PressStep
 /// Contact pressure at the middles of cells over a rectangle about the axis, kPa: columns, rows, values, row 0 at
 /// negative y. `cells` lie along the longer side.
 pub fn pressure_map(pressed: &Pressed, step: &PressStep, size_mm: [f64; 2], cells: usize) -> (usize, usize, Vec<f64>) {
-    let pressure = PressureFace::of(pressed, step);
-    super::contact::sample(size_mm, cells, |x, y| pressure.at(x, y))
+    let pressure = pressure_at(pressed, step);
+    super::contact::sample(size_mm, cells, |x, y| pressure([x, y]))
+}
+
+/// Contact pressure at a place (x, y) over the touched face, mm, as a function: kPa, 0 off the face.
+pub fn pressure_at(pressed: &Pressed, step: &PressStep) -> impl Fn([f64; 2]) -> f64 {
+    let face = PressureFace::of(pressed, step);
+    move |[x, y]| face.at(x, y)
 }
 
 /// Pressure on the touched face.
