@@ -2,7 +2,7 @@
 
 use super::{Measure, Settings, Sweep, SweepFile};
 use crate::scene::{Invalid, LoadedScene};
-use crate::vary::{Design, Keys, Range, Scalar, Vary};
+use crate::vary::{Design, Keys, Range, Scalar, Vary, key_and_value};
 use std::path::{Path, PathBuf};
 
 /// A variable of `KEY=VALUE`, `KEY=A,B,C` or `KEY=FROM:TO:POINTS`.
@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// What is wrong with the text.
 pub fn vary(text: &str) -> Result<Vary, String> {
-    let (key, values) = text.rsplit_once('=').ok_or("it must be KEY=VALUES, as in stack.layer[0].n=1.40:1.43:7")?;
-    let vary = Vary { key: Some(Keys::One(key.trim().into())), ..Vary::default() };
+    let (key, values) = key_and_value(text).ok_or("it must be KEY=VALUES, as in stack.layer[0].n=1.40:1.43:7")?;
+    let vary = Vary { key: Some(Keys::One(key.into())), ..Vary::default() };
     let parts: Vec<&str> = values.split(':').map(str::trim).collect();
     if let [from, to, points] = parts[..] {
         let number = |text: &str| text.parse::<f64>().ok().filter(|number| number.is_finite());

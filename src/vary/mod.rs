@@ -15,6 +15,7 @@ pub use expression::{Expression, FUNCTIONS};
 pub use key::KeyPath;
 pub use plan::{Plan, Point};
 pub use scalar::Scalar;
+pub(crate) use set::key_and_value;
 pub use set::{Set, with, with_scan};
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};

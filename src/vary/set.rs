@@ -18,13 +18,31 @@ impl FromStr for Set {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text.rsplit_once('=') {
-            Some((key, value)) if !value.trim().is_empty() => {
-                Ok(Self { key: key.trim().parse()?, value: Scalar::of_cell(value.trim()).to_toml() })
-            }
+        match key_and_value(text) {
+            Some((key, value)) if !value.is_empty() => Ok(Self { key: key.parse()?, value: value_of(value)? }),
             _ => Err("it must be KEY=VALUE, as in stack.layer[0].n=1.42".into()),
         }
     }
+}
+
+/// What stands before and after the first `=` that is in no quotes.
+pub(crate) fn key_and_value(text: &str) -> Option<(&str, &str)> {
+    let mut quoted = false;
+    let at = text.find(|letter| {
+        quoted ^= letter == '"';
+        letter == '=' && !quoted
+    })?;
+    Some((text[..at].trim(), text[at + 1..].trim()))
+}
+
+/// A number, a word or a flag; a list or a table as TOML writes them.
+fn value_of(text: &str) -> Result<toml::Value, String> {
+    if !text.starts_with(['[', '{']) {
+        return Ok(Scalar::of_cell(text).to_toml());
+    }
+    let read = format!("value = {text}").parse::<toml::Table>();
+    let value = read.ok().filter(|table| table.len() == 1).and_then(|mut table| table.remove("value"));
+    value.ok_or_else(|| format!("{text} is no list or table of TOML, as in [1.0, 2.0] or {{ kind = \"clear\" }}"))
 }
 
 /// A scene with keys set; `file` is the one it came from. Its text is then the changed one.
@@ -78,7 +96,12 @@ mod tests {
         assert_eq!(error.key.as_deref(), Some("stack.layer[0].n"));
         assert!(set("stack.layer[7].n=1").unwrap_err().to_string().contains("elements"));
         assert!(set("stack.layer[0].m=1").unwrap_err().message.contains("unknown key"));
-        for bad in ["", "a", "a=", "=1", "a..b=1"] {
+        let loaded = set("camera.pixels=[20, 10]").unwrap();
+        assert_eq!(loaded.scene.camera.pixels, [20, 10]);
+        let loaded = set("stack.walls = { kind = \"clear\" }").unwrap();
+        assert_eq!(loaded.scene.stack.walls, crate::scene::Walls::Clear);
+        assert_eq!(set("description=a = b").unwrap().scene.description, "a = b");
+        for bad in ["", "a", "a=", "=1", "a..b=1", "a=[1", "a=[1]\nb = 2", "a={}}"] {
             assert!(bad.parse::<Set>().is_err(), "{bad}");
         }
     }
