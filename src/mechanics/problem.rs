@@ -5,6 +5,7 @@ use super::element::{PressureOrder, quadrature};
 use super::kinematics::Kinematics;
 use super::material::{History, Material};
 use super::mesh::Mesh;
+use serde::{Deserialize, Serialize};
 
 /// A mesh with materials, supports, loads and contacts. All loads grow in proportion to one load factor.
 #[derive(Debug, Clone)]
@@ -42,7 +43,7 @@ pub struct Support {
 }
 
 /// A state of equilibrium (or a guess of one).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Load factor.
     pub load: f64,
@@ -58,7 +59,7 @@ pub struct State {
 }
 
 /// Traction at a touched node.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Traction {
     /// Pressure, kPa; 0 for bonded faces.
     pub normal: f64,

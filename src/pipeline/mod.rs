@@ -36,7 +36,7 @@ mod truth;
 pub use error::PipelineError;
 pub use prepare::{Order, Prepared, model_of};
 pub use read::{ReadAs, Reading, Reference};
-pub use session::Session;
+pub use session::{Session, Shelf};
 pub(crate) use session::{guides_light, look};
 pub use shot::{Shot, view_of};
 pub use summary::{

@@ -2,9 +2,9 @@
 
 use super::{Order, PipelineError, Prepared, Shot};
 use crate::mechanics::from_scene::press_setup;
-use crate::mechanics::press::{Cost, Load, PressSettings, Pressed, Setup, press_near};
+use crate::mechanics::press::{Cost, Findings, Load, PressError, PressSettings, Pressed, Setup, press_near};
 use crate::progress::Observer;
-use crate::scene::LoadedScene;
+use crate::scene::{LoadedScene, sha256};
 use crate::streams::{Role, Streams};
 use crate::trace::{BackendChoice, Devices, Precision, TraceError};
 use std::collections::VecDeque;
@@ -22,6 +22,45 @@ pub struct Session {
     presses: VecDeque<Kept>,
     /// Presses without inclusions, each with the press that it started from.
     baselines: VecDeque<(Setup, Arc<Pressed>, Arc<Pressed>)>,
+}
+
+/// Where presses are kept for other sessions, in this program or another.
+pub trait Shelf {
+    /// What the press of a name found; none where it is the caller's to make. Waits while another session makes it, as
+    /// long as `observe` says so.
+    fn find(&self, name: &str, observe: &mut Observer) -> Option<Findings>;
+
+    /// Keeps what it found, or nothing where it could not be made.
+    fn keep(&self, name: &str, findings: Option<&Findings>);
+}
+
+/// Finds and keeps nothing.
+impl Shelf for () {
+    fn find(&self, _: &str, _: &mut Observer) -> Option<Findings> {
+        None
+    }
+
+    fn keep(&self, _: &str, _: Option<&Findings>) {}
+}
+
+/// The press of a description as the shelf has it, or as it is made, and then kept there. Its name tells it from all
+/// others, those of other versions and those that start from another press.
+fn shelved(
+    shelf: &dyn Shelf,
+    setup: &Setup,
+    near: Option<&Pressed>,
+    settings: PressSettings,
+    observe: &mut Observer,
+) -> Result<Pressed, PressError> {
+    let from = near.map(|near| (&near.setup, near.steps.iter().any(|step| step.error.is_some())));
+    let whole = format!("{} {:?} {setup:?} from {from:?}", env!("CARGO_PKG_VERSION"), settings);
+    let name = format!("press-{:.32}", sha256(whole.as_bytes()));
+    if let Some(found) = shelf.find(&name, observe).and_then(|findings| Pressed::of_findings(setup, findings)) {
+        return Ok(found);
+    }
+    let made = press_near(setup, near, settings, observe);
+    shelf.keep(&name, made.as_ref().ok().map(Pressed::findings).as_ref());
+    made
 }
 
 /// A press by what it was asked.
@@ -57,6 +96,20 @@ impl Session {
         order: &Order,
         observe: &mut Observer,
     ) -> Result<Arc<Pressed>, PipelineError> {
+        self.press_by(&(), loaded, order, observe)
+    }
+
+    /// The same with a shelf for what this session does not have. A press that starts from the last one is not put there.
+    ///
+    /// # Errors
+    /// As [`Self::press`].
+    pub fn press_by(
+        &mut self,
+        shelf: &dyn Shelf,
+        loaded: &LoadedScene,
+        order: &Order,
+        observe: &mut Observer,
+    ) -> Result<Arc<Pressed>, PipelineError> {
         let (setup, settings) = asked(loaded, order)?;
         let same = |kept: &Kept| {
             kept.estimate_error == settings.estimate_error && kept.setup == setup && (order.near || !kept.near)
@@ -67,7 +120,10 @@ impl Session {
             return Ok(pressed);
         }
         let near = self.presses.front().filter(|_| order.near).map(|kept| &*kept.pressed);
-        let pressed = Arc::new(press_near(&setup, near, settings, observe)?);
+        let pressed = Arc::new(match near {
+            Some(_) => press_near(&setup, near, settings, observe)?,
+            None => shelved(shelf, &setup, None, settings, observe)?,
+        });
         let (near, estimate_error) = (near.is_some(), settings.estimate_error);
         self.presses.truncate(KEPT_PRESSES - 1);
         let kept = Kept { setup, estimate_error, near, pressed: pressed.clone() };
@@ -104,6 +160,19 @@ impl Session {
     /// # Errors
     /// As [`Self::prepare`]; `NoBaseline` where nothing is pressed.
     pub fn baseline(&mut self, prepared: &Prepared, observe: &mut Observer) -> Result<Prepared, PipelineError> {
+        self.baseline_by(&(), prepared, observe)
+    }
+
+    /// The same with a shelf for what this session does not have.
+    ///
+    /// # Errors
+    /// As [`Self::baseline`].
+    pub fn baseline_by(
+        &mut self,
+        shelf: &dyn Shelf,
+        prepared: &Prepared,
+        observe: &mut Observer,
+    ) -> Result<Prepared, PipelineError> {
         let (Some((pressed, step)), Some((from, _))) = (prepared.pressed(), &prepared.press) else {
             return Err(PipelineError::NoBaseline);
         };
@@ -117,7 +186,8 @@ impl Session {
         let baseline = match self.baselines.iter().find(same) {
             Some((_, _, baseline)) => baseline.clone(),
             None => {
-                let baseline = Arc::new(press_near(&setup, Some(pressed), PressSettings::default(), observe)?);
+                let baseline = shelved(shelf, &setup, Some(pressed), PressSettings::default(), observe)?;
+                let baseline = Arc::new(baseline);
                 self.baselines.truncate(KEPT_PRESSES - 1);
                 self.baselines.push_front((setup, from.clone(), baseline.clone()));
                 baseline

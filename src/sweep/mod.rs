@@ -14,6 +14,7 @@ mod ready;
 mod record;
 mod run;
 mod sensitivity;
+mod shelf;
 pub mod slurm;
 mod status;
 

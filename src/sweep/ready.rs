@@ -1,17 +1,18 @@
 //! Workers that claim points, press them and make their surfaces.
 
 use super::record::item;
+use super::shelf::Presses;
 use super::{RandomNumbers, Record, Rejected, State, Sweep};
 use crate::mechanics::path::PathError;
 use crate::mechanics::press::{PressError, Pressed};
 use crate::output::{Claimed, Item, OutputError, Records};
-use crate::pipeline::{Order, PipelineError, Prepared, Session};
+use crate::pipeline::{Order, PipelineError, Prepared, Session, Shelf};
 use crate::progress::Observer;
 use crate::scene::LoadedScene;
 use crate::streams::Sharing;
 use crate::trace::{Devices, Precision};
 use crate::vary::{Point, Scalar};
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -44,10 +45,20 @@ pub(super) enum Sent {
     Failed(OutputError),
 }
 
+/// What workers work on.
+#[derive(Clone, Copy)]
+pub(super) struct Task<'a> {
+    pub sweep: &'a Sweep,
+    pub records: &'a Records,
+    /// Rows that share their press with another one.
+    pub shared: &'a HashSet<usize>,
+    /// Those presses.
+    pub presses: &'a Presses<'a>,
+}
+
 /// Makes one point after the other ready, until none is left or the caller stops.
 pub(super) fn work(
-    sweep: &Sweep,
-    records: &Records,
+    task: Task,
     queue: &Mutex<VecDeque<usize>>,
     stop: &AtomicBool,
     retry: bool,
@@ -57,23 +68,17 @@ pub(super) fn work(
     loop {
         let next = queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
         let (Some(row), false) = (next, stop.load(Ordering::Relaxed)) else { return };
-        let sent = claimed(sweep, records, row, retry, &mut session, &mut |_| !stop.load(Ordering::Relaxed));
+        let sent = claimed(task, row, retry, &mut session, &mut |_| !stop.load(Ordering::Relaxed));
         if sender.send(sent).is_err() {
-            records.let_go(&item(row));
+            task.records.let_go(&item(row));
             return;
         }
     }
 }
 
 /// Makes a point ready that nobody else has.
-fn claimed(
-    sweep: &Sweep,
-    records: &Records,
-    row: usize,
-    retry: bool,
-    session: &mut Session,
-    observe: &mut Observer,
-) -> Sent {
+fn claimed(task: Task, row: usize, retry: bool, session: &mut Session, observe: &mut Observer) -> Sent {
+    let Task { sweep, records, .. } = task;
     let name = item(row);
     let is_kept = |record: &Record| !(retry && record.status == State::Failed);
     let is_there = || matches!(records.item::<Record>(&name), Item::There(record) if is_kept(&record));
@@ -93,7 +98,7 @@ fn claimed(
     let start = Instant::now();
     let (values, what) = match sweep.plan.point(row) {
         Ok(point) => {
-            let what = ready(sweep, &point, session, observe);
+            let what = ready(task, row, &point, session, observe);
             (point.values, what)
         }
         Err(reason) => (Vec::new(), Err(Some((State::Rejected, reason)))),
@@ -112,7 +117,8 @@ fn claimed(
 
 /// Presses a point and makes its surfaces; no reason where the caller stopped it.
 fn ready(
-    sweep: &Sweep,
+    Task { sweep, shared, presses, .. }: Task,
+    row: usize,
     point: &Point,
     session: &mut Session,
     observe: &mut Observer,
@@ -126,13 +132,18 @@ fn ready(
         Rejected::Sweep(broken) => Some((State::Failed, broken.to_string())),
     })?;
     let order = order(sweep, &loaded);
+    let shelf: &dyn Shelf = if shared.contains(&row) { presses } else { &() };
     if !sweep.needs_light() {
-        let pressed = session.press(&loaded, &order, observe).map_err(failed)?;
+        let pressed = session.press_by(shelf, &loaded, &order, observe).map_err(failed)?;
         return Ok(Scene { pressed: Some(pressed), image: None, baseline: None });
+    }
+    if loaded.scene.press.is_some() {
+        // The session has it then.
+        session.press_by(shelf, &loaded, &order, observe).map_err(failed)?;
     }
     let image = session.prepare(loaded, &order, observe).map_err(failed)?;
     let baseline = match sweep.needs_baseline() {
-        true => Some(Box::new(session.baseline(&image, observe).map_err(failed)?)),
+        true => Some(Box::new(session.baseline_by(shelf, &image, observe).map_err(failed)?)),
         false => None,
     };
     let pressed = image.press.as_ref().map(|(pressed, _)| pressed.clone());

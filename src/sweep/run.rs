@@ -2,13 +2,14 @@
 
 use super::Sweep;
 use super::finish::finish;
-use super::ready::{Sent, work};
+use super::ready::{Sent, Task, work};
+use super::shelf::Presses;
 use crate::mechanics::from_scene::press_setup;
 use crate::output::{OutputError, Records};
 use crate::pipeline::Session;
 use crate::progress::{Observer, Stage};
 use crate::trace::TraceError;
-use std::collections::{HashMap, VecDeque};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
@@ -69,10 +70,12 @@ pub fn run(
     options: Options,
     observe: &mut Observer,
 ) -> Result<(), SweepError> {
-    let mut rows = shard(ordered(sweep), options.shard);
+    let (rows, shared) = ordered(sweep);
+    let mut rows = shard(rows, options.shard);
+    let task = Task { sweep, records, shared: &shared, presses: &Presses::of(records) };
     let mut tally = Tally { done: 0, of: rows.len() };
     loop {
-        rows = pass(sweep, records, session, options, rows, &mut tally, observe)?;
+        rows = pass(task, session, options, rows, &mut tally, observe)?;
         if rows.is_empty() {
             return Ok(());
         }
@@ -97,9 +100,10 @@ impl Tally {
     }
 }
 
-/// All rows, those that share a press after each other.
-fn ordered(sweep: &Sweep) -> Vec<usize> {
+/// All rows, those that share a press after each other; and these.
+fn ordered(sweep: &Sweep) -> (Vec<usize>, HashSet<usize>) {
     let mut rows: Vec<usize> = (0..sweep.plan.count()).collect();
+    let mut shared = HashSet::new();
     if sweep.base.scene.press.is_some() && rows.len() <= MOST_GROUPED {
         let mut groups = HashMap::new();
         let group: Vec<usize> = rows
@@ -110,8 +114,9 @@ fn ordered(sweep: &Sweep) -> Vec<usize> {
             })
             .collect();
         rows.sort_by_key(|&row| group[row]);
+        shared.extend(rows.windows(2).filter(|pair| group[pair[0]] == group[pair[1]]).flatten());
     }
-    rows
+    (rows, shared)
 }
 
 /// What a point's press depends on; none where it makes no scene.
@@ -129,8 +134,7 @@ fn shard(rows: Vec<usize>, shard: Option<(u32, u32)>) -> Vec<usize> {
 
 /// Computes what is free of these rows; the others remain.
 fn pass(
-    sweep: &Sweep,
-    records: &Records,
+    task: Task,
     session: &Session,
     options: Options,
     rows: Vec<usize>,
@@ -144,7 +148,7 @@ fn pass(
     std::thread::scope(|scope| {
         for _ in 0..workers {
             let sender = sender.clone();
-            scope.spawn(|| work(sweep, records, &queue, &stop, options.retry, sender));
+            scope.spawn(|| work(task, &queue, &stop, options.retry, sender));
         }
         drop(sender);
         let mut left = Vec::new();
@@ -159,7 +163,7 @@ fn pass(
             };
             match sent {
                 Sent::Ready(ready) => {
-                    finish(sweep, records, session, *ready, tally, observe)?;
+                    finish(task.sweep, task.records, session, *ready, tally, observe)?;
                     tally.done += 1;
                 }
                 Sent::There => tally.done += 1,

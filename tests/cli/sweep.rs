@@ -329,6 +329,50 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
     assert_eq!(code(&run(&place, "set", &["--force"])), 0);
 }
 
+/// Presses that are kept in a folder, by their hashes.
+fn presses(place: &Place, out: &str) -> Vec<PathBuf> {
+    let is_press = |path: &PathBuf| path.file_name().unwrap().to_string_lossy().starts_with("press-");
+    items(place, out).into_iter().filter(is_press).collect()
+}
+
+#[test]
+fn a_press_that_points_share_is_made_once_for_all_workers() {
+    let place = Place::new();
+    let scene = include_str!("../../scenes/phantom-size-8mm.toml")
+        .replace("pixels = [348, 261]", "pixels = [32, 24]")
+        .replace("depths_mm = [1.0, 2.0, 4.0]", "depths_mm = [0.25]\nresolution = 0.5\nestimate_error = false")
+        + "\n[render]\nmap_texel_mm = 0.5\nspp = 16\nphotons = 1000\n";
+    place.write("phantom.toml", &scene);
+    let text = |key: &str, values: &str| {
+        format!(
+            "[sweep]\nscene = \"phantom.toml\"\ndesign = {{ kind = \"grid\" }}\n[[vary]]\nname = \"v\"\nkey = \"{key}\"\n\
+             values = {values}\n[[measure]]\nkind = \"force\"\n[[measure]]\nkind = \"snr\"\nradius_mm = 3\n"
+        )
+    };
+    place.write("sweep.toml", &text("stack.layer[0].n", "[1.40, 1.41, 1.42, 1.43]"));
+    assert_eq!(code(&run(&place, "alone", &[])), 0);
+    let whole = points(&place, "alone");
+    // That of the phantom, and that without the inclusion.
+    assert_eq!(presses(&place, "alone").len(), 2);
+
+    // The second program finds what the first one pressed; so does a third, of which one is damaged.
+    for shard in ["1/2", "2/2"] {
+        assert_eq!(code(&run(&place, "parts", &["--resume", "--shard", shard])), 0);
+    }
+    assert_eq!((points(&place, "parts"), presses(&place, "parts").len()), (whole.clone(), 2));
+    let [first, _] = &presses(&place, "parts")[..] else { panic!("two presses") };
+    let sound = std::fs::read(first).unwrap();
+    std::fs::write(first, &sound[..sound.len() / 2]).unwrap();
+    std::fs::remove_file(place.path().join("parts/items/0000003.json")).unwrap();
+    assert_eq!(code(&run(&place, "parts", &["--resume"])), 0);
+    assert_eq!((points(&place, "parts"), presses(&place, "parts").len()), (whole, 2));
+
+    // What no other point asks for is not kept.
+    place.write("sweep.toml", &text("phantom.material.youngs_kpa", "[4, 5]"));
+    assert_eq!(code(&run(&place, "each", &[])), 0);
+    assert_eq!(presses(&place, "each"), Vec::<PathBuf>::new());
+}
+
 #[test]
 fn a_data_set_of_arrays_is_as_large_as_its_images() {
     let place = place();

@@ -13,6 +13,7 @@
 
 use super::algebra::{cofactor, determinant, twice_green_strain};
 use super::{Material, Response, Tensor};
+use serde::{Deserialize, Serialize};
 
 /// A term of the relaxation: g (1 - exp(-t/tau)) of the instantaneous stress is gone after t.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +27,7 @@ pub struct Prony {
 /// What a point of a material remembers: stresses at the end of the last step, kPa, as xx, yy, zz, yz, zx, xy.
 ///
 /// Elastic materials remember nothing.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct History {
     /// Elastic isochoric second Piola-Kirchhoff stress.
     elastic: [f64; 6],

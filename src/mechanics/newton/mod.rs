@@ -22,6 +22,7 @@ use super::solid::{ElementSystem, advance_history, element_system, tangent_bulk_
 use super::sparse::SparseError;
 use damping::Damping;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use system::{Forces, Tangent, floor, own_stiffness};
 use thiserror::Error;
 use touch::{Hold, Touching, touch};
@@ -58,7 +59,7 @@ pub struct Solver<'a> {
 const HELD: u32 = u32::MAX;
 
 /// How Newton's linear systems are solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum LinearSolver {
     /// By factorisation: the fastest in two dimensions and for few unknowns.
     #[default]

@@ -3,9 +3,10 @@
 use super::{Assembly, ContactPoint, SensorBody, Setup};
 use crate::mechanics::newton::LinearSolver;
 use crate::mechanics::problem::State;
+use serde::{Deserialize, Serialize};
 
 /// A press at one of the asked loads.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PressStep {
     /// Motion of the phantom's base, mm.
     pub depth_mm: f64,
@@ -55,7 +56,7 @@ pub struct Pressed {
 pub const JUDGED_SHARE: f64 = 0.8;
 
 /// Estimated error of a press at one load.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PressureError {
     /// Root mean square of the pressure's error over 0.8 of the footprint's radius (all of the face under an indenter),
     /// as a share of the pressure's own: that of the mesh.
@@ -70,7 +71,7 @@ pub struct PressureError {
 /// twice as far for it. What that changes a sharp edge changes the other way if the change is as the radius (a face
 /// pressed little), 1.7 times as much if it is as its power 2/3 (a face that the press bends around the arc). The
 /// factor of safety covers both.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Rounding {
     /// Root mean square change of the pressure over 0.8 of the footprint's radius, as a share of it.
     pub rms: f64,
