@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """Do the intervals of a sweep's figures hold?
 
-    cargo build --release && python3 benches/sweeps/coverage.py [--seeds 200] [--cases disc phantom null]
+    cargo build --release && python3 benches/sweeps/coverage.py [--seeds 200] [--cases disc phantom null less press]
+        [--program target/release/tirtouch]
 
 Renders one scene with many seeds, as a sweep over `render.seed`, and prints for each figure how many intervals hold the
 mean over all seeds, with the interval of Clopper and Pearson, and the claimed over the true spread. `disc` is
 `contact-disc`, `phantom` the pressed `phantom-size-8mm`, `null` the same with an inclusion of the tissue's own
-material, where the signal of the inclusion is to hold 0. Needs scipy.
+material, where the signal of the inclusion is to hold 0; `less` has the paper's figures of what the inclusion adds.
+`press` draws as many phantoms at random instead: do intervals of force and peak pressure hold what a mesh of three
+times the resolution gives? Needs scipy.
 """
 
 import argparse
@@ -20,7 +23,6 @@ from pathlib import Path
 from scipy.stats import beta
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-PROGRAM = ROOT / "target/release/tirtouch"
 # Pixels of eight times the pitch gather 64 times the light: exposures are as much shorter, so that nothing saturates.
 SMALL_DISC = {
     "pixels = [384, 288]": "pixels = [48, 36]",
@@ -40,27 +42,85 @@ CASES = {
     "disc": ("contact-disc", SMALL_DISC, LIGHT, 65_536),
     "phantom": ("phantom-size-8mm", SMALL_PHANTOM, [*LIGHT, "snr"], 131_072),
     "null": ("phantom-size-8mm", {**SMALL_PHANTOM, **SAME}, ["snr", "contrast"], 131_072),
+    "less": ("phantom-size-8mm", {**SMALL_PHANTOM, "[2.0]": "[4.0]"}, ["paper"], 131_072),
 }
+SEEDS = '[[vary]]\nkey = "render.seed"\nlinear = { from = 1, to = POINTS, points = POINTS }\n'
+PHANTOMS = """
+[[vary]]
+key = "phantom.inclusion[0].shape.diameter_mm"
+uniform = [4, 14]
+[[vary]]
+key = "phantom.inclusion[0].depth_mm"
+uniform = [2, 10]
+[[vary]]
+key = "phantom.inclusion[0].material.youngs_kpa"
+log_uniform = [20, 150]
+[[vary]]
+key = "phantom.material.youngs_kpa"
+uniform = [3, 10]
+[[vary]]
+key = "press.depths_mm[0]"
+uniform = [0.5, 4]
+"""
 
 
-def sweep(case, seeds, work):
-    name, changes, measures, photons = CASES[case]
+def swept(folder, scene, measures, vary, design, program):
+    folder.mkdir()
+    (folder / "scene.toml").write_text(scene)
+    measured = "".join(f'[[measure]]\nkind = "{kind}"\n' for kind in measures)
+    head = f'[sweep]\nscene = "scene.toml"\ndesign = {design}\nrandom_numbers = "own"\n'
+    (folder / "sweep.toml").write_text(head + vary + measured)
+    command = [program, "sweep", "run", folder / "sweep.toml", "-o", folder / "out", "--quiet"]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    with open(folder / "out/points.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def changed(name, changes):
     text = (ROOT / f"scenes/{name}.toml").read_text()
     for old, new in changes.items():
         if old not in text:
             sys.exit(f"{name}: has no '{old}'")
         text = text.replace(old, new)
-    folder = Path(work) / case
-    folder.mkdir()
-    (folder / "scene.toml").write_text(f"{text}\n[render]\nspp = 16\nphotons = {photons}\n")
-    measured = "".join(f'[[measure]]\nkind = "{kind}"\n' for kind in measures)
-    vary = f'[[vary]]\nkey = "render.seed"\nlinear = {{ from = 1, to = {seeds}, points = {seeds} }}\n'
-    head = '[sweep]\nscene = "scene.toml"\ndesign = { kind = "grid" }\nrandom_numbers = "own"\n'
-    (folder / "sweep.toml").write_text(head + vary + measured)
-    command = [PROGRAM, "sweep", "run", folder / "sweep.toml", "-o", folder / "out", "--quiet"]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    with open(folder / "out/points.csv", newline="") as file:
-        return list(csv.DictReader(file))
+    return text
+
+
+def sweep(case, seeds, work, program):
+    name, changes, measures, photons = CASES[case]
+    scene = f"{changed(name, changes)}\n[render]\nspp = 16\nphotons = {photons}\n"
+    if case == "less":
+        measures = [f'{kind}"\nless_baseline = true\n# "' for kind in measures]
+    vary = SEEDS.replace("POINTS", str(seeds))
+    return swept(Path(work) / case, scene, measures, vary, '{ kind = "grid" }', program)
+
+
+def press(points, work, program):
+    """Rows at resolution 1 with their intervals, and the same on a mesh of three times the resolution."""
+    scene = changed("phantom-size-8mm", {"depths_mm = [1.0, 2.0, 4.0]": "depths_mm = [4.0]\nresolution = RESOLUTION"})
+    design = f'{{ kind = "random", points = {points}, seed = 11 }}'
+    both = []
+    for name, resolution in (("coarse", "1.0"), ("fine", "3.0\nestimate_error = false")):
+        text = scene.replace("RESOLUTION", resolution)
+        both.append(swept(Path(work) / name, text, ["force", "peak_pressure"], PHANTOMS, design, program))
+    rows, fine = both
+    done = [(row, true) for row, true in zip(rows, fine) if (row["status"], true["status"]) == ("done", "done")]
+    print(f"\npress: {points} points, {len(done)} done at both resolutions")
+    print("| figure | hold it | share, % | half width, median % | off, median % |\n|---|---|---|---|---|")
+    for name in ("force_n", "peak_pressure_kpa"):
+        numbers = [[float(row[name]), float(row[f"{name}_low"]), float(row[f"{name}_high"]), float(true[name])]
+                   for row, true in done]
+        held = sum(low <= true <= high for _, low, high, true in numbers)
+        wide = statistics.median(50 * (high - low) / value for value, low, high, _ in numbers)
+        off = statistics.median(100 * abs(value / true - 1) for value, _, _, true in numbers)
+        ends = share(held, len(numbers))
+        print(f"| {name} | {held} of {len(numbers)} | {ends} | {wide:.2f} | {off:.2f} |", flush=True)
+
+
+def share(held, of):
+    """Interval of Clopper and Pearson, percent."""
+    ends = [beta.ppf(0.025, held, of - held + 1), beta.ppf(0.975, held + 1, of - held)]
+    low, high = (100.0 * (end if end == end else float(side)) for end, side in zip(ends, (0, 1)))
+    return f"{low:.1f} to {high:.1f}"
 
 
 def judge(case, rows):
@@ -76,23 +136,25 @@ def judge(case, rows):
         # What the inclusion adds is 0 where there is none.
         truth = 0.0 if case == "null" and name.startswith("snr") else statistics.fmean(value)
         held = sum(a <= truth <= b for a, b in zip(low, high))
-        ends = [beta.ppf(0.025, held, len(told) - held + 1), beta.ppf(0.975, held + 1, len(told) - held)]
-        ends = [100.0 * (end if end == end else float(side)) for end, side in zip(ends, (0, 1))]
         spread = statistics.stdev(value)
         claimed = statistics.fmean((b - a) / 3.92 for a, b in zip(low, high))
         ratio = f"{claimed / spread:.2f}" if spread > 0.0 else "-"
-        share = f"{ends[0]:.1f} to {ends[1]:.1f}"
-        print(f"| {name} | {statistics.fmean(value):.5g} | {held} of {len(told)} | {share} | {ratio} |", flush=True)
+        ends = share(held, len(told))
+        print(f"| {name} | {statistics.fmean(value):.5g} | {held} of {len(told)} | {ends} | {ratio} |", flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", type=int, default=200)
-    parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES))
+    parser.add_argument("--cases", nargs="+", choices=[*CASES, "press"], default=[*CASES, "press"])
+    parser.add_argument("--program", type=Path, default=ROOT / "target/release/tirtouch")
     wanted = parser.parse_args()
     with tempfile.TemporaryDirectory() as work:
         for case in wanted.cases:
-            judge(case, sweep(case, wanted.seeds, work))
+            if case == "press":
+                press(wanted.seeds, work, wanted.program)
+            else:
+                judge(case, sweep(case, wanted.seeds, work, wanted.program))
 
 
 if __name__ == "__main__":

@@ -18,8 +18,18 @@ const ORDER: &str = "order.json";
 /// Folders of images.
 const SPLITS: [&str; 2] = ["train", "test"];
 /// Files beside the records.
-const TABLES: [&str; 9] =
-    [SCENE, RESULT, "sweep.toml", "points.csv", "times.csv", "sensitivity.csv", "report.html", "README.md", "job.sh"];
+const TABLES: [&str; 10] = [
+    SCENE,
+    RESULT,
+    "sweep.toml",
+    "points.csv",
+    "points.parquet",
+    "times.csv",
+    "sensitivity.csv",
+    "report.html",
+    "README.md",
+    "job.sh",
+];
 /// An image that is being written.
 const PARTIAL: &str = "partial";
 /// What stands before the SHA-256 of a record, and before the record.

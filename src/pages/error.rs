@@ -39,6 +39,6 @@ pub enum PageError {
         /// Its name.
         file: &'static str,
         /// Why it cannot be made.
-        error: csv::Error,
+        error: Box<dyn std::error::Error + Send + Sync>,
     },
 }

@@ -11,7 +11,7 @@ pub fn table(
     head: Vec<String>,
     rows: impl Iterator<Item = Vec<String>>,
 ) -> Result<String, PageError> {
-    let failed = |error: csv::Error| PageError::Table { file, error };
+    let failed = |error: csv::Error| PageError::Table { file, error: error.into() };
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(&head).map_err(failed)?;
     for row in rows {

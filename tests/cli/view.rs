@@ -7,9 +7,9 @@ use std::process::Stdio;
 
 #[test]
 fn the_printed_address_has_the_page_and_a_signal_ends_it() {
-    let arguments = ["view", "preset:flat-bonded", "--set", "camera.pixels=[16, 12]", "--json", "--backend", "cpu"];
+    let arguments = ["view", "preset:flat-bonded", "--set", "camera.pixels=[16, 12", "--json", "--backend", "cpu"];
     let refused = tirtouch(&arguments);
-    // A list is no number.
+    // A list that does not end.
     assert_eq!(code(&refused), 2, "{refused:?}");
     let sets = ["--set", "camera.pixels[0]=16", "--set", "camera.pixels[1]=12"];
     let arguments = [&["view", "preset:flat-bonded", "--json", "--backend", "cpu"], &sets[..]].concat();

@@ -60,7 +60,7 @@ pub fn json(name: &str, found: &Ladders) -> Value {
 pub fn csv(rungs: &[Rung]) -> Result<String, PageError> {
     let heading = "family,series,setting,level,quantity,error,error_low,error_high,seconds,repeats,default,pareto";
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let failed = |error: csv::Error| PageError::Table { file: "converge.csv", error };
+    let failed = |error: csv::Error| PageError::Table { file: "converge.csv", error: error.into() };
     writer.write_record(heading.split(',')).map_err(failed)?;
     for entry in FAMILIES {
         for (rung, front) in family(rungs, entry.name) {

@@ -29,7 +29,7 @@ pub fn json(row: &Row) -> Value {
 
 /// All rows as CSV.
 pub fn csv(rows: &[Row]) -> Result<String, PageError> {
-    let failed = |error: csv::Error| PageError::Table { file: "stability.csv", error };
+    let failed = |error: csv::Error| PageError::Table { file: "stability.csv", error: error.into() };
     let mut writer = csv::Writer::from_writer(Vec::new());
     rows.iter().try_for_each(|row| writer.serialize(row)).map_err(failed)?;
     let bytes = writer.into_inner().map_err(|error| failed(error.into_error().into()))?;

@@ -2,6 +2,8 @@
 
 mod dataset;
 mod page;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod pictures;
 mod table;
 
@@ -18,6 +20,8 @@ use crate::sweep::{Status, Sweep};
 /// A file that cannot be written, a picture that cannot be drawn.
 pub fn write(sweep: &Sweep, records: &Records, command: &str) -> Result<Status, PageError> {
     records.write("points.csv", &table::points_csv(sweep, records)?)?;
+    #[cfg(feature = "parquet")]
+    records.write_bytes("points.parquet", &parquet::points_parquet(&points(sweep, records))?)?;
     records.write("times.csv", &table::times_csv(sweep, records)?)?;
     if sweep.asks_sensitivity() {
         records.write("sensitivity.csv", &table::sensitivity_csv(sweep, records)?)?;
