@@ -76,16 +76,16 @@ for python in "${pythons[@]}"; do
     venv="$target/python/$version"
     "$python" -m venv --clear "$venv"
     "$venv/bin/pip" install --quiet --disable-pip-version-check "${wheels[0]}[tables,progress]" numpy pytest mypy
-    # The renderer to compare with has not been built for every Python; what needs it is skipped where it is missing.
-    "$venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: mitsuba ||
-        say "no Mitsuba for Python $version: its scenes are not looked at"
+    if [ "$python" = "${pythons[0]}" ]; then
+        "$venv/bin/pip" install --quiet --disable-pip-version-check 'pdoc>=16,<17'
+        # The renderer to compare with has not been built for every Python; what needs it is skipped where it is missing.
+        "$venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: mitsuba ||
+            say "no Mitsuba for Python $version: its scenes are not looked at"
+    fi
     say "Python $version"
     "$venv/bin/python" -m pytest -q -p no:cacheprovider "${tests[@]}"
     "$venv/bin/python" -m mypy.stubtest tirtouch --mypy-config-file python/pyproject.toml
-    if [ "$python" = "${pythons[0]}" ]; then
-        "$venv/bin/pip" install --quiet --disable-pip-version-check 'pdoc>=16,<17'
-        bash python/docs.sh "$venv/bin/python"
-    fi
+    [ "$python" != "${pythons[0]}" ] || bash python/docs.sh "$venv/bin/python"
     tests=(python/tests/test_scene.py python/tests/test_render.py)
 done
 say "all tests passed"

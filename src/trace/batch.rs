@@ -11,7 +11,6 @@ use super::plan::Method;
 use super::unfold::direct_light;
 use crate::film::Ledger;
 use crate::progress::{Observer, Stage};
-use std::ops::Range;
 use std::time::Instant;
 
 /// Threads that share the photons of a replicate.
@@ -170,8 +169,7 @@ impl<'a> Batch<'a> {
                 self.mapped(index, work, &texels, observe)
             }
             Method::Splat => {
-                let (threads, each) = shares(work.photons);
-                let (deposits, sent) = self.photons(PhotonMode::Splat, index, threads, 0..each, observe)?;
+                let (deposits, sent) = self.photons(PhotonMode::Splat, index, work.photons, observe)?;
                 let mut image = self.camera(CameraMode::Complement, index, work.spp, observe)?;
                 let each = self.model.power * self.model.unit_radiance / sent / DEPOSIT_UNIT;
                 image.iter_mut().zip(deposits).for_each(|(v, d)| *v += d as f64 * each);
@@ -191,35 +189,13 @@ impl<'a> Batch<'a> {
         face: &TouchedFace,
         observe: &mut Observer,
     ) -> Result<ContactLight, TraceError> {
-        let (threads, each) = shares(work.photons);
-        let (deposits, sent) = self.photons(PhotonMode::Map, index, threads, 0..each, observe)?;
+        let (deposits, sent) = self.photons(PhotonMode::Map, index, work.photons, observe)?;
         let (model, unfolded) = (self.model, Kernel::of(self.model).unfolded);
         let shift = pcg3d([self.seed, index, 2]).map(|v| f64::from(v) / 4_294_967_296.0);
         Ok(self.at_map(|| {
             let direct = (unfolded > 0).then(|| direct_light(model, unfolded, [shift[0], shift[1]]));
             face.light(&deposits, sent, direct)
         }))
-    }
-
-    /// The same of more photons, of which those of `work`, in `before`, are not sent again.
-    ///
-    /// # Errors
-    /// As [`Self::replicate`].
-    pub fn more_contact_light(
-        &mut self,
-        index: u32,
-        [work, more]: [Work; 2],
-        before: ContactLight,
-        face: &TouchedFace,
-        observe: &mut Observer,
-    ) -> Result<ContactLight, TraceError> {
-        let (threads, sent_before) = shares(work.photons);
-        let each = more.photons.div_ceil(u64::from(threads)).min(u64::from(u32::MAX)) as u32;
-        if each <= sent_before {
-            return Ok(before);
-        }
-        let (deposits, sent) = self.photons(PhotonMode::Map, index, threads, sent_before..each, observe)?;
-        Ok(self.at_map(|| before.and(&face.light(&deposits, sent, None))))
     }
 
     /// Replicate `index` of the image, from a map: radiance in W/(m^2 sr), row-major.
@@ -250,8 +226,7 @@ impl<'a> Batch<'a> {
     /// # Errors
     /// As [`Self::replicate`].
     pub fn ledger(&mut self, photons: u64, observe: &mut Observer) -> Result<(), TraceError> {
-        let (threads, each) = shares(photons);
-        self.photons(PhotonMode::Ledger, u32::MAX, threads, 0..each, observe).map(|_| ())
+        self.photons(PhotonMode::Ledger, u32::MAX, photons, observe).map(|_| ())
     }
 
     fn camera(
@@ -293,20 +268,20 @@ impl<'a> Batch<'a> {
         Ok(sums.into_iter().map(|s| s as f64 * each).collect())
     }
 
-    /// Sends these photons of each of so many threads. Returns the deposits in their units, and the photons that they
-    /// stand for.
+    /// Returns the deposits in their units, and the photons that they stand for.
     fn photons(
         &mut self,
         mode: PhotonMode,
         index: u32,
-        threads: u32,
-        Range { start: first, end: each }: Range<u32>,
+        photons: u64,
         observe: &mut Observer,
     ) -> Result<(Vec<u64>, f64), TraceError> {
         let begun = Instant::now();
+        let threads = photons.clamp(1, u64::from(THREADS)) as u32;
+        let each = photons.div_ceil(u64::from(threads)).min(u64::from(u32::MAX)) as u32;
         let seed = stream(self.seed, index, 1);
         self.backend.clear_photons(mode)?;
-        let mut sample = first;
+        let mut sample = 0;
         while sample < each {
             let pace = (self.pacer.photons as u64 / u64::from(threads)).max(1);
             let samples = pace.min(u64::from(THREAD_PHOTONS)).min(u64::from(each - sample)) as u32;
@@ -314,14 +289,13 @@ impl<'a> Batch<'a> {
             self.backend.photons(mode, seed, threads, [sample, samples])?;
             adapt(&mut self.pacer.photons, u64::from(threads) * u64::from(samples), start.elapsed().as_secs_f64());
             sample += samples;
-            let done = f64::from(sample - first) / f64::from(each - first);
-            if !observe(Stage { done, what: "photons" }) {
+            if !observe(Stage { done: f64::from(sample) / f64::from(each), what: "photons" }) {
                 return Err(TraceError::Stopped);
             }
         }
         let (tally, deposits) = self.backend.read_photons(mode)?;
         held(if mode == PhotonMode::Splat { "pixels" } else { "cells of the map" }, &deposits)?;
-        let sent = u64::from(threads) * u64::from(each - first);
+        let sent = u64::from(threads) * u64::from(each);
         debug_assert_eq!(tally[book::EMITTED], (sent as f64 * UNIT) as i64);
         self.totals.photons += sent;
         self.totals.times.photons += begun.elapsed().as_secs_f64();
@@ -334,12 +308,6 @@ impl<'a> Batch<'a> {
         self.totals.tally.iter_mut().zip(tally).for_each(|(sum, v)| *sum += v);
         Ok((deposits, sent as f64))
     }
-}
-
-/// Threads that share so many photons, and the photons of each: rounded up.
-fn shares(photons: u64) -> (u32, u32) {
-    let threads = photons.clamp(1, u64::from(THREADS));
-    (threads as u32, photons.div_ceil(threads).min(u64::from(u32::MAX)) as u32)
 }
 
 /// Refuses sums that are full: light is missing from them.
@@ -356,31 +324,6 @@ fn stream(seed: u32, replicate: u32, which: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::{Devices, Precision};
-
-    #[test]
-    fn photons_that_are_added_are_those_that_would_have_been_sent_at_once() {
-        let loaded = crate::scene::preset("contact-disc").unwrap();
-        let contact = crate::surface::contact_map(&loaded).unwrap();
-        let model = Model::new(&loaded, &crate::surface::Surface::Flat, contact).unwrap();
-        let mut backend = Devices::cpu(Precision::F32).load(&model).unwrap();
-        let mut batch = Batch::new(&model, &mut backend, Method::Map, 7);
-        let face = TouchedFace::new(&model);
-        let work = |photons| Work { spp: 1, photons };
-        let whole = batch.contact_light(3, work(1 << 16), &face, &mut |_| true).unwrap();
-        let part = batch.contact_light(3, work(1 << 14), &face, &mut |_| true).unwrap();
-        let both = [work(1 << 14), work(1 << 16)];
-        let both = batch.more_contact_light(3, both, part.clone(), &face, &mut |_| true).unwrap();
-        assert_eq!(batch.totals.photons, 2 << 16);
-        let texels = |light: &ContactLight| face.texels(std::slice::from_ref(light), Smoothing::default()).remove(0);
-        let pairs = |a: &ContactLight, b: &ContactLight| {
-            let (a, b) = (texels(a), texels(b));
-            a.iter().zip(&b).map(|(a, b)| (a[0] - b[0]).abs() + (a[2] - b[2]).abs()).sum::<f64>()
-                / a.iter().map(|a| a[0] + a[2]).sum::<f64>()
-        };
-        assert!(pairs(&whole, &both) < 1e-9, "{:e}", pairs(&whole, &both));
-        assert!(pairs(&whole, &part) > 1e-3, "a quarter of them is not all");
-    }
 
     #[test]
     fn chunks_cover_each_pixel_and_sample_once_however_the_pace_changes() {

@@ -11,7 +11,6 @@
 use super::cpu::photons::DEPOSIT_UNIT;
 use super::cpu::{Limits, Path};
 use super::model::{Model, Tissue};
-use super::render::relative_error;
 use super::scatter::Scatter;
 use super::smooth::Smoother;
 use super::spread::Spread;
@@ -29,9 +28,6 @@ const GROUPS: usize = 8;
 const MOST_ADDED: f64 = 3.0;
 /// Width of the boxes over which a texel's noise is measured.
 const ABOUT: usize = 13;
-/// Weight of the nearer of two texels between which a map is read, where the sum of both weights' squares is that of its
-/// mean over all places: 2/3.
-const NEAR: f64 = 0.788_675;
 /// Least noise that counts in a texel, as a share of the median of the noisy ones.
 const LEAST_NOISE: f64 = 0.1;
 
@@ -43,20 +39,6 @@ pub struct ContactLight {
     light: [Vec<f64>; 2],
     /// What was found without.
     direct: Option<[Vec<f64>; 2]>,
-    /// Photons that it stands for.
-    sent: f64,
-}
-
-impl ContactLight {
-    /// Of the photons of both.
-    #[must_use]
-    pub fn and(mut self, more: &Self) -> Self {
-        let sent = self.sent + more.sent;
-        for (light, more_light) in self.light.iter_mut().zip(&more.light) {
-            light.iter_mut().zip(more_light).for_each(|(v, w)| *v = (*v * self.sent + w * more.sent) / sent);
-        }
-        Self { sent, ..self }
-    }
 }
 
 /// The touched face, cut into texels.
@@ -73,8 +55,6 @@ pub struct TouchedFace {
     after: After,
     /// Whether its maps are smoothed.
     smoothed: bool,
-    /// Edge of what a pixel sees of the face, about the axis, in texels.
-    pixel: usize,
 }
 
 /// What becomes of the light that enters.
@@ -149,8 +129,7 @@ impl TouchedFace {
         let both = model.tissue.as_ref().is_some_and(|tissue| tissue.scatter.is_half_space());
         let seen = [both || uniform != Some(0.0), both || uniform != Some(1.0)];
         let smoothed = model.map_smoothing;
-        let pixel = (pixel_edge(model) / size[0].max(size[1])).round().max(1.0) as usize;
-        Self { columns, unit: model.power / DEPOSIT_UNIT, area, texel_area, seen, after, smoothed, pixel }
+        Self { columns, unit: model.power / DEPOSIT_UNIT, area, texel_area, seen, after, smoothed }
     }
 
     /// Turns deposits of `sent` photons into light per area, beside light found without photons.
@@ -160,7 +139,7 @@ impl TouchedFace {
             let fluxes = deposits.iter().skip(which).step_by(2);
             fluxes.zip(&self.area).map(|(&flux, &a)| if a > 0.0 { flux as f64 * each / a } else { 0.0 }).collect()
         });
-        ContactLight { light, direct, sent }
+        ContactLight { light, direct }
     }
 
     /// What camera paths read, for each replicate: light times area beside the area, for true contact and for the gap;
@@ -221,37 +200,6 @@ impl TouchedFace {
         spread
             .exitance([&flux[0], &flux[1]])
             .map(|flux| flux.iter().map(|flux| flux.max(0.0) / self.texel_area).collect())
-    }
-
-    /// Relative error of the mean of what replicates send back, over squares of the face as large as a pixel sees, as
-    /// camera paths read it between texels: about that of an image. None where nothing is lit.
-    pub fn relative_error(&self, replicates: &[Vec<[f64; 4]>]) -> Option<f64> {
-        let n = replicates.len() as f64;
-        let (columns, rows) = (self.columns, self.area.len() / self.columns);
-        let across = columns.div_ceil(self.pixel);
-        let summed = |value: &dyn Fn(usize) -> f64| {
-            let mut squares = vec![0.0; across * rows.div_ceil(self.pixel)];
-            for k in 0..self.area.len() {
-                let (x, y) = (k % columns, k / columns);
-                let (right, below) = ((x + 1).min(columns - 1), (y + 1).min(rows - 1));
-                let row = |y: usize| NEAR * value(y * columns + x) + (1.0 - NEAR) * value(y * columns + right);
-                squares[y / self.pixel * across + x / self.pixel] += NEAR * row(y) + (1.0 - NEAR) * row(below);
-            }
-            squares
-        };
-        let areas = summed(&|k| self.area[k]);
-        let sent_back: Vec<Vec<f64>> =
-            replicates.par_iter().map(|texels| summed(&|k| texels[k][0] + texels[k][2])).collect();
-        let touched = areas.iter().enumerate().filter(|(_, area)| **area > 0.0);
-        let (means, variances): (Vec<f32>, Vec<f32>) = touched
-            .map(|(k, area)| {
-                let values = || sent_back.iter().map(|squares| squares[k] / area);
-                let mean = values().sum::<f64>() / n;
-                let square = values().map(|value| (value - mean).powi(2)).sum::<f64>();
-                (mean as f32, (square / (n * (n - 1.0).max(1.0))) as f32)
-            })
-            .unzip();
-        relative_error(&means, &variances)
     }
 
     /// Chooses the smoothing from the maps of independent replicates.
@@ -402,13 +350,6 @@ fn mean<'a>(lists: impl Iterator<Item = &'a [f64]>) -> Vec<f64> {
     }
     sum.iter_mut().for_each(|v| *v /= count);
     sum
-}
-
-/// Edge of what a pixel sees of the flat touched face about the axis, mm.
-fn pixel_edge(model: &Model<f64>) -> f64 {
-    let thickness = |k: usize| (model.faces[k].z - model.faces[k - 1].z) / model.layers[k].n;
-    let reach = model.camera.distance / model.surround_n + (1..model.faces.len()).map(thickness).sum::<f64>();
-    model.camera.pixel_tan * reach * model.surround_n
 }
 
 /// Mean share of true contact of a texel, over 4 x 4 points.

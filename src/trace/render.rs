@@ -41,12 +41,6 @@ const FEW_PHOTONS: u64 = 1 << 12;
 /// paths and its map do, which each attempt pays for. With an eighth of them a phantom at 1 % took three attempts, not
 /// two.
 const FIRST_PHOTONS: u64 = 1 << 15;
-/// The least and the most at once that a map's photons are multiplied by. Its error falls faster than as 1/sqrt where
-/// there are few: they lie on a lattice, and smoothing widens.
-const LEAST_MAP_SCALE: f64 = 1.1;
-const MOST_MAP_SCALE: f64 = 3.0;
-/// Share of an asked error that a map may leave: the rest is for the camera paths.
-const MAP_ERROR: f64 = 0.9;
 /// Most camera paths per pixel for an asked error.
 const MOST_SPP: u32 = 1 << 24;
 /// What is taken above the work that an error found asks for, and the most at once: a first error may be a poor guess.
@@ -158,9 +152,8 @@ fn blotches(method: Method, film: &Film) -> Option<String> {
 /// For an asked error it renders with the least work first, and from what that leaves anew with as much as it takes:
 /// the smoothing of a map is then chosen for the noise of the whole, and its bias shrinks with it, where added
 /// replicates would keep a kernel for more noise. The least work is a camera path per pixel and replicate, and few
-/// photons. Of a map, whose noise is most of the error, photons are then added to those of each replicate until what
-/// the smoothed map leaves is below the error, before any camera path reads it; more camera paths go with them where
-/// they would be fewer.
+/// photons: these are more by themselves until they match the camera paths, since each of those reads the smoothed map,
+/// whose noise is most of the error; and with them from there.
 ///
 /// # Errors
 /// `Unsuited` where the method does not suit the scene; as [`Devices::load`] and [`render_on`].
@@ -170,74 +163,59 @@ pub fn render(
     settings: &Settings,
     observe: &mut Observer,
 ) -> Result<Outcome, TraceError> {
+    let Some(target) = settings.target_error else {
+        return once(devices, model, settings, observe);
+    };
+    let kernel = Kernel::of(model);
+    let method = Plan::choose(settings.integrator, &kernel)?.method;
+    let each = photons(&kernel, method, pixels(model)).max(FEW_PHOTONS) as f64;
+    // Camera paths per pixel that the photons match: at first fewer than there are.
+    let mut work = f64::from(REPLICATES);
+    if method != Method::Path {
+        work *= (FIRST_PHOTONS as f64 / each).min(1.0);
+    }
+    let (mut seconds, mut setup_seconds, mut segments, mut times) = (0.0, 0.0, 0, Times::default());
+    loop {
+        let spp = (work.ceil() as u32).max(REPLICATES);
+        let photons = Some((each * work) as u64);
+        let outcome = once(devices, model, &Settings { spp, photons, ..settings.clone() }, observe)?;
+        seconds += outcome.seconds;
+        setup_seconds += outcome.setup_seconds;
+        segments += outcome.segments;
+        times = times.and(outcome.times);
+        let more = match outcome.relative_error {
+            Some(error) if error > target => {
+                let scale = (SAFETY * (error / target).powi(2)).clamp(SAFETY, MOST_SCALE);
+                (work * scale).min(f64::from(MOST_SPP))
+            }
+            Some(_) => work,
+            // Dark, perhaps by chance: not more than the scene asks for is spent on it.
+            None => work.max(f64::from(settings.spp)),
+        };
+        if more <= work {
+            return Ok(Outcome { seconds, setup_seconds, segments, times, ..outcome });
+        }
+        work = more;
+    }
+}
+
+/// Renders with the work of the settings, or for their seconds.
+fn once(
+    devices: &Devices,
+    model: &Model<f64>,
+    settings: &Settings,
+    observe: &mut Observer,
+) -> Result<Outcome, TraceError> {
     let start = Instant::now();
     let mut backend = devices.load(model)?;
     let opening = start.elapsed().as_secs_f64();
-    let outcome = match settings.target_error {
-        Some(target) => to_error(&mut backend, model, settings, target, observe)?,
-        None => render_on(&mut backend, model, settings, observe)?,
-    };
+    let outcome = render_on(&mut backend, model, settings, observe)?;
     let setup_seconds = opening + outcome.setup_seconds;
     Ok(Outcome {
         notice: devices.notice().map(str::to_owned).into_iter().chain(outcome.notice).reduce(|a, b| a + "; " + &b),
         setup_seconds,
         ..outcome
     })
-}
-
-/// Renders until the error is at most that asked for.
-fn to_error(
-    backend: &mut Backend,
-    model: &Model<f64>,
-    settings: &Settings,
-    target: f64,
-    observe: &mut Observer,
-) -> Result<Outcome, TraceError> {
-    let kernel = Kernel::of(model);
-    let method = Plan::choose(settings.integrator, &kernel)?.method;
-    let each = photons(&kernel, method, pixels(model)).max(FEW_PHOTONS) as f64;
-    // At first fewer photons than match the camera paths.
-    let mut spp = f64::from(REPLICATES);
-    let mut sent = each * if method == Method::Path { spp } else { spp * (FIRST_PHOTONS as f64 / each).min(1.0) };
-    let (mut seconds, mut setup_seconds, mut segments, mut times) = (0.0, 0.0, 0, Times::default());
-    loop {
-        let work = Settings { spp: spp.ceil() as u32, photons: Some(sent as u64), ..settings.clone() };
-        let (outcome, map_error) = render_until(backend, model, &work, Some(target), observe)?;
-        seconds += outcome.seconds;
-        setup_seconds += outcome.setup_seconds;
-        segments += outcome.segments;
-        times = times.and(outcome.times);
-        let before = [spp, sent];
-        match outcome.relative_error {
-            Some(error) if error > target => {
-                let more = more_for(error, target);
-                if let Some(map_error) = map_error {
-                    // What the map leaves is known about: the rest is of the camera paths.
-                    let rest = |error: f64| error.powi(2) - map_error.min(MAP_ERROR * target).powi(2);
-                    spp = outcome.spp as f64 * (SAFETY * rest(error) / rest(target)).clamp(SAFETY, MOST_SCALE);
-                    let of_map = (map_error / target).powi(2);
-                    sent = outcome.photons as f64 * (1.0 + of_map * (more - 1.0));
-                } else {
-                    sent *= more;
-                    spp = spp.max(sent / each);
-                }
-            }
-            Some(_) => {}
-            // Dark, perhaps by chance: not more than the scene asks for is spent on it.
-            None => {
-                spp = spp.max(f64::from(settings.spp));
-                sent = sent.max(each * spp);
-            }
-        }
-        if [spp, sent] == before || spp > f64::from(MOST_SPP) {
-            return Ok(Outcome { seconds, setup_seconds, segments, times, ..outcome });
-        }
-    }
-}
-
-/// How many times the work an error asks for that is above the one asked for.
-fn more_for(error: f64, target: f64) -> f64 {
-    (SAFETY * (error / target).powi(2)).clamp(SAFETY, MOST_SCALE)
 }
 
 /// Renders on a backend that holds the model already: one device for many seeds. Work is that of the settings, or for
@@ -252,18 +230,6 @@ pub fn render_on(
     settings: &Settings,
     observe: &mut Observer,
 ) -> Result<Outcome, TraceError> {
-    render_until(backend, model, settings, None, observe).map(|(outcome, _)| outcome)
-}
-
-/// As [`render_on`], with as many photons more as a map takes for an error that is asked for; returns what the map leaves
-/// of it too.
-fn render_until(
-    backend: &mut Backend,
-    model: &Model<f64>,
-    settings: &Settings,
-    target: Option<f64>,
-    observe: &mut Observer,
-) -> Result<(Outcome, Option<f64>), TraceError> {
     let kernel = Kernel::of(model);
     let plan = Plan::choose(settings.integrator, &kernel)?;
     let start = Instant::now();
@@ -301,17 +267,9 @@ fn render_until(
     let needs_ledger = batch.method == Method::Path || kernel.aimed;
     let first = replicates.min(2 * REPLICATES);
     let mut gather = match batch.method {
-        Method::Map => {
-            let observe = &mut |done| observe(Stage { done: PHOTON_SHARE * done, what: "photons" });
-            let (gather, sent) = Gather::collect(&mut batch, first, work, target, observe)?;
-            if sent > work.photons {
-                // As many camera paths as match the photons, if these became more.
-                let matched = sent / photons(&kernel, plan.method, pixels).max(FEW_PHOTONS);
-                let spp = matched.clamp(u64::from(work.spp), u64::from(REPLICATE_PATHS));
-                work = Work { spp: spp as u32, photons: sent };
-            }
-            Some(gather)
-        }
+        Method::Map => Some(Gather::collect(&mut batch, first, work, &mut |done| {
+            observe(Stage { done: PHOTON_SHARE * done, what: "photons" })
+        })?),
         Method::Path | Method::Splat => None,
     };
     let before = if gather.is_some() { PHOTON_SHARE } else { 0.0 };
@@ -363,8 +321,7 @@ fn render_until(
     let film = Film { samples: u32::try_from(spp).unwrap_or(u32::MAX), ..sum.finish() };
     let mean_radiance = film.mean.iter().map(|&v| f64::from(v)).sum::<f64>() / film.mean.len() as f64;
     let blotches = blotches(plan.method, &film);
-    let map_error = gather.as_ref().and_then(|gather| gather.error);
-    let outcome = Outcome {
+    Ok(Outcome {
         relative_error: relative_error(&film.mean, &film.variance),
         unseen: Unseen::of(model, &film, Traced { method: plan.method, spp, photons }),
         mean_radiance,
@@ -383,8 +340,7 @@ fn render_until(
         seconds,
         times,
         setup_seconds,
-    };
-    Ok((outcome, map_error))
+    })
 }
 
 /// The ledger, unless too much light is missing from the image: lost, or cut off by the cap on interactions.
@@ -414,46 +370,26 @@ struct Gather {
     face: TouchedFace,
     texels: std::vec::IntoIter<Vec<[f64; 4]>>,
     smoothing: Smoothing,
-    /// What the smoothed map leaves of an error that is asked for.
-    error: Option<f64>,
 }
 
 impl Gather {
-    /// Sends the photons of the first replicates and chooses the smoothing from what they leave; more photons, until
-    /// the smoothed map's error is below a target. Also returns how many each replicate has.
+    /// Sends the photons of the first replicates and chooses the smoothing from what they leave.
     fn collect(
         batch: &mut Batch,
         replicates: u32,
-        mut work: Work,
-        target: Option<f64>,
+        work: Work,
         observe: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<(Self, u64), TraceError> {
+    ) -> Result<Self, TraceError> {
         let model = batch.model;
         let face = batch.at_map(|| TouchedFace::new(model));
-        let mut part = |index: u32, stage: Stage| observe((f64::from(index) + stage.done) / f64::from(replicates));
-        let mut maps = (0..replicates)
-            .map(|index| batch.contact_light(index, work, &face, &mut |stage| part(index, stage)))
+        let maps = (0..replicates)
+            .map(|index| {
+                let mut observe = |stage: Stage| observe((f64::from(index) + stage.done) / f64::from(replicates));
+                batch.contact_light(index, work, &face, &mut observe)
+            })
             .collect::<Result<Vec<_>, _>>()?;
-        loop {
-            let smoothing = batch.at_map(|| face.choose(&maps));
-            let texels = batch.at_map(|| face.texels(&maps, smoothing));
-            let error = target.and_then(|_| batch.at_map(|| face.relative_error(&texels)));
-            let allowed = MAP_ERROR * target.unwrap_or(f64::INFINITY);
-            let more = match error.filter(|error| *error > allowed) {
-                Some(error) => {
-                    let scale = (error / allowed).powi(2).clamp(LEAST_MAP_SCALE, MOST_MAP_SCALE);
-                    Work { photons: (work.photons as f64 * scale).ceil() as u64, ..work }
-                }
-                None => return Ok((Self { texels: texels.into_iter(), face, smoothing, error }, work.photons)),
-            };
-            maps = (0..replicates)
-                .zip(maps)
-                .map(|(index, before)| {
-                    batch.more_contact_light(index, [work, more], before, &face, &mut |stage| part(index, stage))
-                })
-                .collect::<Result<Vec<_>, _>>()?;
-            work = more;
-        }
+        let smoothing = batch.at_map(|| face.choose(&maps));
+        Ok(Self { texels: batch.at_map(|| face.texels(&maps, smoothing)).into_iter(), face, smoothing })
     }
 
     fn replicate(
@@ -497,7 +433,7 @@ impl Outcome {
 }
 
 /// Root-mean-square standard error over the lit means (above 0.3 of the 99th percentile), over their mean.
-pub(super) fn relative_error(means: &[f32], variances: &[f32]) -> Option<f64> {
+fn relative_error(means: &[f32], variances: &[f32]) -> Option<f64> {
     let mut sorted = means.to_vec();
     sorted.sort_by(f32::total_cmp);
     let percentile = *sorted.get(sorted.len().saturating_sub(1) * 99 / 100)?;
