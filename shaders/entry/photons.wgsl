@@ -35,13 +35,15 @@ fn photons(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= run.count) { return; }
     read_scene();
     for (var b = 0u; b < BOOK_SLOTS; b += 1u) { tally[b] = 0; }
+    let thread = run.first + id.x % run.threads;
+    let first_sample = run.first_sample + id.x / run.threads * run.samples;
     var s = 0u;
     loop {
         // On to the next photon that is not astray from the start.
         var end = END_ASTRAY;
         loop {
             if (end != END_ASTRAY || s >= run.samples) { break; }
-            start_random(run.first + id.x, run.first_sample + s);
+            start_random(thread, first_sample + s);
             record_start(id.x * run.samples + s);
             end = launch();
             book(BOOK_EMITTED, i32(UNIT));

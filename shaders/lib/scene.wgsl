@@ -43,6 +43,7 @@ struct Run {
     seed: u32,
     first: u32,       // first pixel (camera) or first thread (photons) of this submission
     count: u32,       // pixels or threads of this submission
+    threads: u32,     // in a row: the threads of the next row take the `samples` photons of each after these
     samples: u32,     // paths per pixel, or photons per thread
     first_sample: u32,
     shift_led: u32,   // of the launch's lattice along its coordinates
@@ -51,7 +52,6 @@ struct Run {
     shift_polar: u32,
     shift_azimuth: u32,
     shift_side: u32,
-    pad: u32,
 }
 
 // Layers, interfaces and LEDs are read through functions such as `face_z(i)`, which the host writes into the text: a

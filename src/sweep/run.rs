@@ -132,6 +132,16 @@ fn shard(rows: Vec<usize>, shard: Option<(u32, u32)>) -> Vec<usize> {
     rows.get(end(k.saturating_sub(1))..end(k)).unwrap_or_default().to_vec()
 }
 
+/// Does work by as many threads of its own as cores are left to each of so many workers. Where presses share threads they
+/// wait for each other: on 16 cores a press took 33 s beside 13 others.
+fn on_its_share(workers: usize, work: impl FnOnce() + Send) {
+    let threads = rayon::current_num_threads().div_ceil(workers);
+    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool.install(work),
+        Err(_) => work(),
+    }
+}
+
 /// Computes what is free of these rows; the others remain.
 fn pass(
     task: Task,
@@ -148,7 +158,7 @@ fn pass(
     std::thread::scope(|scope| {
         for _ in 0..workers {
             let sender = sender.clone();
-            scope.spawn(|| work(task, &queue, &stop, options.retry, sender));
+            scope.spawn(|| on_its_share(workers, || work(task, &queue, &stop, options.retry, sender)));
         }
         drop(sender);
         let mut left = Vec::new();

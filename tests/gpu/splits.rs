@@ -4,6 +4,8 @@ use crate::adapter::require_gpu;
 use crate::films::{f64_twin, gpu};
 use crate::scenes::Case;
 use tirtouch::trace::backend::CpuTracer;
+use tirtouch::trace::gpu::GpuTracer;
+use tirtouch::trace::gpu::tracer::{Portion, SourceEdit};
 use tirtouch::trace::modes::{CameraMode, Fates, PhotonMode};
 use tirtouch::trace::{Backend, Model};
 
@@ -63,4 +65,27 @@ fn the_gpu_gives_the_same_bits_however_the_work_is_cut() {
         let Some(adapter) = require_gpu() else { return };
         splits_change_nothing(gpu(adapter, &model), deformed);
     }
+}
+
+/// Photons of a thread spread over five rows of threads, two and then one at a time: what a real GPU does.
+#[test]
+fn photons_are_the_same_however_many_threads_share_them() {
+    let model = &scenes()[1].0;
+    let spread = |edit: SourceEdit| -> Option<Backend> {
+        let tracer = GpuTracer::with_source(require_gpu()?, model, edit).unwrap();
+        Some(tracer.in_portions(Portion { paths: 2, threads: 5 * 512 + 100 }).into())
+    };
+    let Some(adapter) = require_gpu() else { return };
+    let whole = photons(&mut gpu(adapter, model), PhotonMode::Map, 5, &[[0, 23]]);
+    let Some(mut same) = spread(Box::new(|_, text| text)) else { return };
+    assert_eq!(photons(&mut same, PhotonMode::Map, 5, &[[0, 23]]), whole);
+    // All rows take the photons of the first.
+    let taken = "run.first_sample + id.x / run.threads * run.samples";
+    let Some(mut wrong) = spread(Box::new(move |_, text| {
+        assert!(text.contains(taken));
+        text.replace(taken, "run.first_sample")
+    })) else {
+        return;
+    };
+    assert_ne!(photons(&mut wrong, PhotonMode::Map, 5, &[[0, 23]]), whole);
 }

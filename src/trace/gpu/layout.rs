@@ -115,9 +115,8 @@ shader_struct! {
 shader_struct! {
     /// `Run` of `scene.wgsl`.
     Run {
-        seed: u32, first: u32, count: u32, samples: u32, first_sample: u32,
+        seed: u32, first: u32, count: u32, threads: u32, samples: u32, first_sample: u32,
         shift_led: u32, shift_radius: u32, shift_turn: u32, shift_polar: u32, shift_azimuth: u32, shift_side: u32,
-        pad: u32,
     }
 }
 
@@ -128,6 +127,7 @@ impl Run {
             seed,
             first,
             count,
+            threads: count,
             samples,
             first_sample,
             shift_led: shift(seed, LATTICE_LED),
@@ -136,7 +136,6 @@ impl Run {
             shift_polar: shift(seed, LATTICE_POLAR),
             shift_azimuth: shift(seed, LATTICE_AZIMUTH),
             shift_side: shift(seed, LATTICE_SIDE),
-            pad: 0,
         }
     }
 }

@@ -19,10 +19,23 @@ const WORKGROUP: u32 = 64;
 /// A change to a kernel's WGSL before it is compiled.
 pub type SourceEdit = Box<dyn Fn(Entry, String) -> String + Send + Sync>;
 
-/// Most paths of one thread in one dispatch. Mesa's llvmpipe ends all loops of a thread after 65,535 turns together
-/// (LP_MAX_TGSI_LOOP_ITERATIONS, "shared between every loop in a shader") and says nothing: an image of few pixels and
-/// many samples lost three quarters of its light. This leaves 2,000 turns for a path; finished paths are counted too.
-const THREAD_PATHS: u32 = 32;
+/// Most paths of one thread in one dispatch, and threads at once, of a CPU that stands for a GPU and of a real one.
+///
+/// Mesa's llvmpipe ends all loops of a thread after 65,535 turns together (LP_MAX_TGSI_LOOP_ITERATIONS, "shared between
+/// every loop in a shader") and says nothing: an image of few pixels and many samples lost three quarters of its light.
+/// 32 paths leave 2,000 turns for each; finished paths are counted too. A GPU hides one thread's waiting behind others:
+/// an H100 sends photons 4.2 times as fast by 2^18 threads of 256 as by 2^14 of 32 (docs/ERROR.md, "On a GPU").
+const OF_CPU: Portion = Portion { paths: 32, threads: 1 };
+const OF_GPU: Portion = Portion { paths: 256, threads: 1 << 18 };
+
+/// What one dispatch may hold. Images are the same to the bit whatever it is.
+#[derive(Debug, Clone, Copy)]
+pub struct Portion {
+    /// Paths of each thread, at most.
+    pub paths: u32,
+    /// Threads that photons are spread over, where there are photons enough.
+    pub threads: u32,
+}
 
 /// A scene loaded on a GPU.
 pub struct GpuTracer {
@@ -43,6 +56,7 @@ pub struct GpuTracer {
     pipelines: HashMap<Entry, wgpu::ComputePipeline>,
     edit: Option<SourceEdit>,
     limits: Limits,
+    portion: Portion,
     /// Camera paths and photons sent since their sums were emptied.
     sent: [u64; 2],
 }
@@ -85,6 +99,7 @@ impl GpuTracer {
             pipelines: HashMap::new(),
             edit: None,
             limits: Limits::default(),
+            portion: if gpu.info.device_type == wgpu::DeviceType::Cpu { OF_CPU } else { OF_GPU },
             sent: [0; 2],
             kernel,
             model,
@@ -104,6 +119,12 @@ impl GpuTracer {
     #[must_use]
     pub fn with_limits(self, limits: Limits) -> Self {
         Self { limits, pipelines: HashMap::new(), ..self }
+    }
+
+    /// The same by dispatches of another size than suits the adapter.
+    #[must_use]
+    pub fn in_portions(self, portion: Portion) -> Self {
+        Self { portion, ..self }
     }
 
     /// Name of the adapter and its driver.
@@ -252,7 +273,7 @@ impl GpuTracer {
         let entry = Entry::Camera(mode);
         self.prepare(entry)?;
         self.sent[0] += u64::from(count) * u64::from(samples);
-        for (first_sample, samples) in portions(first_sample, samples) {
+        for (first_sample, samples, _) in portions(first_sample, samples, 1, self.portion.paths) {
             let run = layout::Run::of(seed, [first, count], [first_sample, samples]);
             self.dispatch(entry, run, count)?;
         }
@@ -301,9 +322,11 @@ impl GpuTracer {
         let entry = Entry::Photons(mode);
         self.prepare(entry)?;
         self.sent[1] += u64::from(threads) * u64::from(samples);
-        for (first_sample, samples) in portions(first_sample, samples) {
-            let run = layout::Run::of(seed, [0, threads], [first_sample, samples]);
-            self.dispatch(entry, run, threads)?;
+        let Portion { paths, threads: wanted } = self.portion;
+        for (first_sample, samples, rows) in portions(first_sample, samples, (wanted / threads.max(1)).max(1), paths) {
+            let count = threads * rows;
+            let run = layout::Run { count, ..layout::Run::of(seed, [0, threads], [first_sample, samples]) };
+            self.dispatch(entry, run, count)?;
         }
         Ok(())
     }
@@ -335,9 +358,17 @@ impl GpuTracer {
     }
 }
 
-/// Cuts samples into what one dispatch may hold: the first and how many.
-fn portions(first: u32, samples: u32) -> impl Iterator<Item = (u32, u32)> {
-    (0..samples).step_by(THREAD_PATHS as usize).map(move |k| (first + k, THREAD_PATHS.min(samples - k)))
+/// Cuts samples into what one dispatch may hold: the first, how many each thread takes, and rows of threads. A row takes
+/// the samples after those of the row before it.
+fn portions(first: u32, samples: u32, rows: u32, most: u32) -> impl Iterator<Item = (u32, u32, u32)> {
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        let left = samples - next;
+        let rows = rows.min(left);
+        let each = left.checked_div(rows)?.min(most);
+        next += rows * each;
+        Some((first + next - rows * each, each, rows))
+    })
 }
 
 fn finished(finished: u64, sent: u64) -> Result<(), TraceError> {
