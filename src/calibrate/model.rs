@@ -82,8 +82,8 @@ impl FrameModel {
             let vector = |light: &Vec<f64>| elements.iter().map(|place| of(light, *place).ln()).collect();
             training.light.iter().map(vector).collect()
         };
-        let weights: Vec<f64> =
-            elements.iter().map(|[load, _]| 1.0 / design.errors.get(*load).copied().unwrap_or(1.0).max(1e-6)).collect();
+        let error = |[load, block]: &[usize; 2]| design.errors.get(load * total + block).copied().unwrap_or(1.0);
+        let weights: Vec<f64> = elements.iter().map(|place| 1.0 / error(place).max(1e-6)).collect();
         let mut learnt = Learnt::from(design.unknowns.clone(), &design.points, &logs(design), weights)?;
         if learnt.directions.is_empty() {
             return Err(unsuited(design, "has frames that do not follow what was drawn"));

@@ -29,7 +29,7 @@ pub struct Training {
     pub blocks: Blocks,
     /// Mean radiance of each block, one load after the other, W/(m^2 sr).
     pub light: Vec<Vec<f64>>,
-    /// Relative error of a pixel at each load, root mean square over points and pixels.
+    /// Relative error of a pixel of each block, root mean square over points: ordered as `light`.
     pub errors: Vec<f64>,
     /// Logarithms of the forces of each point, N: of every load that takes one.
     pub forces: Vec<Vec<f64>>,
@@ -75,11 +75,18 @@ impl Training {
             record.images.iter().map(of_load).collect::<Result<Vec<_>, CalibrateError>>()
         });
         let images = images.collect::<Result<Vec<_>, CalibrateError>>()?;
-        let error = |load: usize| {
-            let squares: f64 = images.iter().filter_map(|point| point.get(load)).map(|(_, error)| error * error).sum();
-            (squares / images.len() as f64).sqrt()
+        let (light, squares): (Vec<Vec<f64>>, Vec<Vec<f64>>) = images
+            .into_iter()
+            .map(|loads| {
+                let (means, squares): (Vec<_>, Vec<_>) = loads.into_iter().unzip();
+                (means.concat(), squares.concat())
+            })
+            .unzip();
+        let error = |place: usize| {
+            let sum: f64 = squares.iter().filter_map(|point| point.get(place)).sum();
+            (sum / squares.len() as f64).sqrt()
         };
-        let errors = (0..depths_mm.len()).map(error).collect();
+        let errors = (0..blocks.total() * depths_mm.len()).map(error).collect();
         let coordinates = |record: &Record| -> Vec<f64> {
             let values = drawn.iter().filter_map(|(k, _)| record.values.get(*k)?.number());
             drawn.iter().zip(values).map(|((_, unknown), value)| unknown.prior.coordinate(value)).collect()
@@ -91,7 +98,6 @@ impl Training {
         let forces = kept.iter().map(|(_, record)| forces(record)).collect();
         let rows = kept.iter().map(|(row, _)| *row).collect();
         let unknowns = drawn.into_iter().map(|(_, unknown)| unknown).collect();
-        let light = images.into_iter().map(|loads| loads.into_iter().flat_map(|(means, _)| means).collect()).collect();
         Ok(Self {
             folder: folder.to_path_buf(),
             free: free.len(),
@@ -108,14 +114,14 @@ impl Training {
     }
 }
 
-/// Means over blocks of an image of a point, and the relative error of a pixel.
+/// Means over blocks of an image of a point, and the square of a pixel's error in each as a share of its mean.
 fn point_image(
     sweep: &Sweep,
     records: &Records,
     row: usize,
     file: &str,
     blocks: Blocks,
-) -> Result<(Vec<f64>, f64), CalibrateError> {
+) -> Result<(Vec<f64>, Vec<f64>), CalibrateError> {
     let split = sweep.file.sweep.images.map_or("", |images| images.split(row));
     let path = records.folder().join(split).join(file);
     let (film, _) = read_radiance(&path)?;
@@ -124,11 +130,11 @@ fn point_image(
         let why = format!("{} has {} x {} pixels, its scene others", path.display(), film.width, film.height);
         return Err(CalibrateError::Unsuited { folder: records.folder().to_path_buf(), why });
     }
-    let mean: Vec<f64> = film.mean.iter().map(|&v| f64::from(v)).collect();
-    let total: f64 = mean.iter().sum();
-    let variance: f64 = film.variance.iter().map(|&v| f64::from(v)).sum::<f64>() / mean.len().max(1) as f64;
-    let error = if total > 0.0 { variance.sqrt() * mean.len() as f64 / total } else { 0.0 };
-    Ok((blocks.means(&mean, pixels), error))
+    let means = |of: &[f32]| blocks.means(&of.iter().map(|&v| f64::from(v)).collect::<Vec<_>>(), pixels);
+    let (mean, variance) = (means(&film.mean), means(&film.variance));
+    let square = |(mean, variance): (&f64, &f64)| if *mean > 0.0 { variance / (mean * mean) } else { 0.0 };
+    let squares = mean.iter().zip(&variance).map(square).collect();
+    Ok((mean, squares))
 }
 
 /// What was drawn, as an unknown; none where the variable is not drawn from a distribution.

@@ -5,6 +5,7 @@ use crate::estimate::Value;
 use faer::linalg::solvers::{DenseSolveCore as _, Llt};
 use faer::{Mat, Side};
 use rayon::prelude::*;
+use std::sync::LazyLock;
 
 const LENGTH: usize = 600;
 const CASES: u32 = 40;
@@ -59,6 +60,9 @@ fn learnt(shift: f64) -> Learnt {
     Learnt::from(unknowns(), &told, &vectors, vec![100.0; LENGTH]).unwrap()
 }
 
+/// Learnt from points as they are.
+static LEARNT: LazyLock<Learnt> = LazyLock::new(|| learnt(0.0));
+
 /// What follows the unknowns beside the frames.
 fn number(place: &[f64]) -> f64 {
     place[0] + 0.1 * place[1]
@@ -68,7 +72,7 @@ fn number(place: &[f64]) -> f64 {
 #[test]
 fn a_number_beside_the_frames_tells_more_and_a_wrong_one_shows() {
     const ERROR: f64 = 0.01;
-    let mut learnt = learnt(0.0);
+    let mut learnt = LEARNT.clone();
     let mut random = PixelRandom::new(17, 0);
     let points: Vec<Vec<f64>> = (0..150).map(|_| drawn(&mut random)).collect();
     let numbers: Vec<Vec<f64>> = points.iter().map(|place| vec![number(place)]).collect();
@@ -128,9 +132,9 @@ fn held(learnt: &Learnt, shared: f64, stretch: f64) -> ([u32; 3], f64) {
 /// 95 of 100 expected; four standard deviations of 40 cases are 5.5.
 #[test]
 fn intervals_hold_the_truth_whatever_the_noise_of_the_light() {
-    let learnt = learnt(0.0);
+    let learnt = &*LEARNT;
     for (shared, variance) in [(0.01, 1.0), (0.003, 0.09), (0.03, 9.0)] {
-        let (held, factor) = held(&learnt, shared, 1.0);
+        let (held, factor) = held(learnt, shared, 1.0);
         assert!(held.iter().all(|held| *held >= 32), "{shared}: {held:?} of {CASES}");
         // The camera's noise is known; what is learnt of the light's, of 150 images, is good to a third.
         assert!((0.7 * variance..1.4 * variance + 0.1).contains(&factor), "{shared}: {factor}");
@@ -140,7 +144,7 @@ fn intervals_hold_the_truth_whatever_the_noise_of_the_light() {
 /// Wrong labels and intervals of a third of the width must show.
 #[test]
 fn faults_show_in_the_coverage() {
-    let (short, _) = held(&learnt(0.0), 0.01, 0.33);
+    let (short, _) = held(&LEARNT, 0.01, 0.33);
     assert!(short.iter().all(|held| *held < 29), "{short:?}");
     let (wrong, _) = held(&learnt(0.3), 0.003, 1.0);
     assert!(wrong[0] < 27, "{wrong:?}");
@@ -148,7 +152,7 @@ fn faults_show_in_the_coverage() {
 
 #[test]
 fn frames_without_enough_elements_tell_nothing() {
-    let learnt = learnt(0.0);
+    let learnt = &*LEARNT;
     let values = (0..LENGTH).map(|i| (i < 30).then_some(0.0)).collect();
     assert_eq!(learnt.told(&Seen { values, variances: vec![0.0; LENGTH] }), None);
 }
@@ -178,7 +182,7 @@ fn true_bound(learnt: &Learnt, place: &[f64], told: &Told, stretch: f64) -> Vec<
 /// Bounds hold those by the light's own slopes, and slopes half as steep show.
 #[test]
 fn bounds_hold_what_the_lights_own_slopes_say() {
-    let learnt = learnt(0.0);
+    let learnt = &*LEARNT;
     let variances = learnt.scored.variances_of_scores().unwrap();
     let case = |case: u32| {
         let mut random = PixelRandom::new(13, case);
@@ -189,7 +193,7 @@ fn bounds_hold_what_the_lights_own_slopes_say() {
         let bounds = learnt.scored.bound(&slopes, &told.covariance, &[false, false, true]).unwrap();
         let held = |stretch: f64| {
             let held =
-                bounds.iter().zip(true_bound(&learnt, &place, &told, stretch)).take(2).filter(|(bound, truth)| {
+                bounds.iter().zip(true_bound(learnt, &place, &told, stretch)).take(2).filter(|(bound, truth)| {
                     let Value::Known { low, high, .. } = bound else { return false };
                     (*low..=*high).contains(truth)
                 });
