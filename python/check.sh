@@ -70,22 +70,22 @@ wheels=("$target"/wheels/*.whl)
 export TIRTOUCH_REQUIRE_GPU="${TIRTOUCH_REQUIRE_GPU:-1}"
 TIRTOUCH_BINARY="$(realpath "$target/$folder/tirtouch")"
 export TIRTOUCH_BINARY
-tests=(python/tests)
 for python in "${pythons[@]}"; do
     version="$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
     venv="$target/python/$version"
     "$python" -m venv --clear "$venv"
-    "$venv/bin/pip" install --quiet --disable-pip-version-check "${wheels[0]}[tables,progress]" numpy pytest mypy
-    if [ "$python" = "${pythons[0]}" ]; then
-        "$venv/bin/pip" install --quiet --disable-pip-version-check 'pdoc>=16,<17'
-        # The renderer to compare with has not been built for every Python; what needs it is skipped where it is missing.
-        "$venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: mitsuba ||
-            say "no Mitsuba for Python $version: its scenes are not looked at"
-    fi
+    pip=("$venv/bin/pip" install --quiet --disable-pip-version-check)
     say "Python $version"
-    "$venv/bin/python" -m pytest -q -p no:cacheprovider "${tests[@]}"
+    if [ "$python" != "${pythons[0]}" ]; then
+        "${pip[@]}" "${wheels[0]}" numpy pytest
+        "$venv/bin/python" -m pytest -q -p no:cacheprovider python/tests/test_scene.py python/tests/test_render.py
+        continue
+    fi
+    "${pip[@]}" "${wheels[0]}[tables,progress]" numpy pytest mypy 'pdoc>=16,<17'
+    # The renderer to compare with has not been built for every Python; what needs it is skipped where it is missing.
+    "${pip[@]}" --only-binary :all: mitsuba || say "no Mitsuba for Python $version: its scenes are not looked at"
+    "$venv/bin/python" -m pytest -q -p no:cacheprovider python/tests
     "$venv/bin/python" -m mypy.stubtest tirtouch --mypy-config-file python/pyproject.toml
-    [ "$python" != "${pythons[0]}" ] || bash python/docs.sh "$venv/bin/python"
-    tests=(python/tests/test_scene.py python/tests/test_render.py)
+    bash python/docs.sh "$venv/bin/python"
 done
 say "all tests passed"
