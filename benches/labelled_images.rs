@@ -2,14 +2,16 @@
 //! command after the other?
 //!
 //!     LP_NATIVE_VECTOR_WIDTH=512 cargo run --release --example labelled_images -- [--images 12] [--seed 1]
-//!         [--error 0.01] [--sweep] [--estimate] [--alone] [--program target/release/tirtouch]
+//!         [--error 0.01] [--sweep] [--estimate] [--alone FOLDER] [--program target/release/tirtouch]
 //!
 //! Draws spheres of 4 to 14 mm and 20 to 150 kPa, their tops 3 to 10 mm deep as far as they fit, in the phantom of
 //! `phantom-size-8mm`; each is pressed by 1, 2 and 4 mm, and its image at 4 mm is traced and exposed. The first image
 //! is traced to the error asked for, a share of a pixel's radiance; the others with a third more photons than that
 //! took, and with more again where these did not do. One thread presses the next phantom, from the last one, while this
-//! one is traced; with `--alone` each is pressed from rest and traced to the error. With `--sweep` the phantom stays
-//! and the index of the touched layer changes. Presses estimate their errors with `--estimate`.
+//! one is traced. With `--alone` the scenes are written to a folder, and each is pressed from rest once the one before
+//! is traced, with its number as its seed, and is traced to the error: a plain loop, which labelled_images.py times from
+//! Python. With `--sweep` the phantom stays and the index of the touched layer changes. Presses estimate their errors
+//! with `--estimate`.
 //!
 //! Prints the label, the sum of grey levels and the seconds of each image, and images a minute; with `--program` also
 //! those of that program, a command for each image of the same scenes. The variable makes Mesa's llvmpipe work as
@@ -17,14 +19,15 @@
 
 use anyhow::{Context as _, Result, ensure};
 use clap::Parser;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::time::Instant;
+use tirtouch::camera::Frame;
 use tirtouch::camera::noise::PixelRandom;
 use tirtouch::pipeline::{Order, Prepared, Session};
-use tirtouch::scene::{Elastic, InclusionBody, LoadedScene, preset};
-use tirtouch::trace::{BackendChoice, Devices, Precision};
+use tirtouch::scene::{Elastic, InclusionBody, LoadedScene, load, preset};
+use tirtouch::trace::{BackendChoice, Devices, Outcome, Precision};
 
 #[derive(Parser)]
 struct Arguments {
@@ -43,9 +46,9 @@ struct Arguments {
     /// Presses estimate their errors.
     #[arg(long)]
     estimate: bool,
-    /// No neighbour's press, no other image's work.
-    #[arg(long)]
-    alone: bool,
+    /// A plain loop over the scenes, which are written there.
+    #[arg(long, value_name = "FOLDER")]
+    alone: Option<PathBuf>,
     /// A program that renders the same scenes, one a command.
     #[arg(long)]
     program: Option<PathBuf>,
@@ -95,7 +98,7 @@ fn presses(arguments: &Arguments, ready: &SyncSender<Result<(Prepared, String)>>
     let mut session = Session::from(Devices::cpu(Precision::F32));
     for number in 0..arguments.images {
         let prepared = drawn(arguments, number).and_then(|(loaded, label)| {
-            let order = Order { near: !arguments.alone, ..Order::of(&loaded.scene) };
+            let order = Order { near: true, ..Order::of(&loaded.scene) };
             Ok((session.prepare(loaded, &order, &mut |_| true)?, label))
         });
         if ready.send(prepared).is_err() {
@@ -104,20 +107,34 @@ fn presses(arguments: &Arguments, ready: &SyncSender<Result<(Prepared, String)>>
     }
 }
 
-fn main() -> Result<()> {
-    let arguments = Arguments::parse();
-    let start = Instant::now();
-    let session = Session::open(BackendChoice::Auto, Precision::F32)?;
+/// Renders the scenes of a folder one after the other, each to the error.
+fn alone(arguments: &Arguments, session: &mut Session, files: &[PathBuf]) -> Result<()> {
+    for (number, file) in files.iter().enumerate() {
+        let timer = Instant::now();
+        let loaded = load(file)?;
+        let mut order = Order::of(&loaded.scene);
+        order.settings.target_error = Some(arguments.error);
+        order.settings.seed = u32::try_from(number)?;
+        let prepared = session.prepare(loaded, &order, &mut |_| true)?;
+        let shot = session.shoot(&prepared, &mut |_| true)?;
+        said(number, &file.display().to_string(), timer, &shot.frame, &shot.outcome);
+    }
+    Ok(())
+}
+
+/// Renders the scenes, each with what the first one took and pressed while the one before is traced. Gives the time to
+/// the first, seconds, and how many were traced again.
+fn beside(arguments: &Arguments, session: &Session, start: Instant) -> Result<(f64, u32)> {
     let mut first = 0.0;
     let (mut found, mut again): (Option<[f64; 2]>, u32) = (None, 0);
     std::thread::scope(|scope| -> Result<()> {
         // A press waits until the one before is taken.
         let (ready, images) = sync_channel(0);
-        scope.spawn(|| presses(&arguments, &{ ready }));
+        scope.spawn(|| presses(arguments, &{ ready }));
         for (number, image) in images.into_iter().enumerate() {
             let (mut prepared, label) = image?;
             let timer = Instant::now();
-            let mut work = found.filter(|_| !arguments.alone);
+            let mut work = found;
             let (frame, outcome) = loop {
                 let settings = &mut prepared.settings;
                 settings.target_error = if work.is_none() { Some(arguments.error) } else { None };
@@ -134,36 +151,62 @@ fn main() -> Result<()> {
                 again += 1;
                 work = Some([spp, photons].map(|work| MARGIN * more * work));
             };
-            let grey: u64 = frame.grey.iter().map(|&grey| u64::from(grey)).sum();
-            println!(
-                "{number}: {label}: {:.2} s ({:.2} kernels), error {:.4}, grey {grey}, {:.0} MiB",
-                timer.elapsed().as_secs_f64(),
-                outcome.setup_seconds,
-                outcome.relative_error.unwrap_or(f64::NAN),
-                resident_mib().unwrap_or(f64::NAN),
-            );
+            said(number, &label, timer, &frame, &outcome);
             if number == 0 {
                 first = start.elapsed().as_secs_f64();
             }
         }
         Ok(())
     })?;
-    let seconds = start.elapsed().as_secs_f64();
-    let rate = |images: u32, seconds: f64| 60.0 * f64::from(images) / seconds;
-    let after = rate(arguments.images.saturating_sub(1), seconds - first);
+    Ok((first, again))
+}
+
+/// Prints what an image took.
+fn said(number: usize, label: &str, timer: Instant, frame: &Frame, outcome: &Outcome) {
+    let grey: u64 = frame.grey.iter().map(|&grey| u64::from(grey)).sum();
     println!(
-        "session: {:.1} images a minute, {after:.1} after the first; {again} attempts fell short",
-        rate(arguments.images, seconds)
+        "{number}: {label}: {:.2} s ({:.2} kernels), error {:.4}, grey {grey}, {:.0} MiB",
+        timer.elapsed().as_secs_f64(),
+        outcome.setup_seconds,
+        outcome.relative_error.unwrap_or(f64::NAN),
+        resident_mib().unwrap_or(f64::NAN),
     );
+}
+
+/// The scenes, as files of a folder.
+fn written(arguments: &Arguments, folder: &Path) -> Result<Vec<PathBuf>> {
+    std::fs::create_dir_all(folder)?;
+    let scenes = (0..arguments.images).map(|number| {
+        let file = folder.join(format!("{number}.toml"));
+        std::fs::write(&file, toml::to_string(&drawn(arguments, number)?.0.scene)?)?;
+        Ok(file)
+    });
+    scenes.collect()
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    let rate = |images: u32, seconds: f64| 60.0 * f64::from(images) / seconds;
+    if let Some(folder) = &arguments.alone {
+        let files = written(&arguments, folder)?;
+        let start = Instant::now();
+        let mut session = Session::open(BackendChoice::Auto, Precision::F32)?;
+        alone(&arguments, &mut session, &files)?;
+        println!("loop: {:.1} images a minute", rate(arguments.images, start.elapsed().as_secs_f64()));
+    } else {
+        let start = Instant::now();
+        let session = Session::open(BackendChoice::Auto, Precision::F32)?;
+        let (first, again) = beside(&arguments, &session, start)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let after = rate(arguments.images.saturating_sub(1), seconds - first);
+        println!(
+            "session: {:.1} images a minute, {after:.1} after the first; {again} attempts fell short",
+            rate(arguments.images, seconds)
+        );
+    }
     if let Some(program) = &arguments.program {
         let folder = std::env::temp_dir().join(format!("tirtouch-labelled-images-{}", std::process::id()));
-        std::fs::create_dir_all(&folder)?;
-        let scenes = (0..arguments.images).map(|number| {
-            let file = folder.join(format!("{number}.toml"));
-            std::fs::write(&file, toml::to_string(&drawn(&arguments, number)?.0.scene)?)?;
-            anyhow::Ok(file)
-        });
-        let scenes = scenes.collect::<Result<Vec<_>>>()?;
+        let scenes = written(&arguments, &folder)?;
         let start = Instant::now();
         for (number, scene) in scenes.iter().enumerate() {
             let mut command = Command::new(program);
@@ -171,8 +214,7 @@ fn main() -> Result<()> {
             let done = command.arg(folder.join(number.to_string())).stdout(Stdio::null()).status()?;
             ensure!(done.success(), "{}: {done}", scene.display());
         }
-        let seconds = start.elapsed().as_secs_f64();
-        println!("commands: {:.1} images a minute", rate(arguments.images, seconds));
+        println!("commands: {:.1} images a minute", rate(arguments.images, start.elapsed().as_secs_f64()));
         std::fs::remove_dir_all(&folder)?;
     }
     Ok(())
