@@ -82,8 +82,7 @@ impl FrameModel {
             let vector = |light: &Vec<f64>| elements.iter().map(|place| of(light, *place).ln()).collect();
             training.light.iter().map(vector).collect()
         };
-        let error = |[load, block]: &[usize; 2]| design.errors.get(load * total + block).copied().unwrap_or(1.0);
-        let weights: Vec<f64> = elements.iter().map(|place| 1.0 / error(place).max(1e-6)).collect();
+        let weights = weights(&elements, &design.errors, total);
         let mut learnt = Learnt::from(design.unknowns.clone(), &design.points, &logs(design), weights)?;
         if learnt.directions.is_empty() {
             return Err(unsuited(design, "has frames that do not follow what was drawn"));
@@ -245,6 +244,12 @@ impl FrameModel {
     }
 }
 
+/// One over the error of each element's own block at its load, which has so many blocks.
+fn weights(elements: &[[usize; 2]], errors: &[f64], total: usize) -> Vec<f64> {
+    let error = |[load, block]: &[usize; 2]| errors.get(load * total + block).copied().unwrap_or(1.0);
+    elements.iter().map(|place| 1.0 / error(place).max(1e-6)).collect()
+}
+
 /// Changes of the frames by the power of each LED; none where an LED is never lit alone.
 fn nuisances(
     leds: &Training,
@@ -277,4 +282,15 @@ fn nuisances(
     };
     let named = |(k, mean): (usize, &Vec<f64>)| Nuisance { name: format!("led[{k}].power_mw"), change: change(mean) };
     Some(means.iter().enumerate().map(named).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_element_is_weighted_by_its_own_blocks_error() {
+        let errors = [0.01, 0.5, 0.02, 0.1, 0.2, 0.04];
+        assert_eq!(weights(&[[0, 0], [0, 2], [1, 1], [1, 2]], &errors, 3), [100.0, 50.0, 5.0, 25.0]);
+    }
 }

@@ -82,11 +82,7 @@ impl Training {
                 (means.concat(), squares.concat())
             })
             .unzip();
-        let error = |place: usize| {
-            let sum: f64 = squares.iter().filter_map(|point| point.get(place)).sum();
-            (sum / squares.len() as f64).sqrt()
-        };
-        let errors = (0..blocks.total() * depths_mm.len()).map(error).collect();
+        let errors = own_errors(&squares);
         let coordinates = |record: &Record| -> Vec<f64> {
             let values = drawn.iter().filter_map(|(k, _)| record.values.get(*k)?.number());
             drawn.iter().zip(values).map(|((_, unknown), value)| unknown.prior.coordinate(value)).collect()
@@ -112,6 +108,12 @@ impl Training {
             sweep,
         })
     }
+}
+
+/// Each block's own error, root mean square over points: of the square of its relative error at each.
+fn own_errors(squares: &[Vec<f64>]) -> Vec<f64> {
+    let mean = |place: usize| squares.iter().filter_map(|point| point.get(place)).sum::<f64>() / squares.len() as f64;
+    (0..squares.first().map_or(0, Vec::len)).map(|place| mean(place).sqrt()).collect()
 }
 
 /// Means over blocks of an image of a point, and the square of a pixel's error in each as a share of its mean.
@@ -146,4 +148,20 @@ fn unknown(vary: &Vary) -> Option<Unknown> {
         (None, None) => return None,
     };
     Some(Unknown { name, prior })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One block that is now and then far noisier says nothing of the others.
+    #[test]
+    fn each_block_has_its_own_error() {
+        let errors = own_errors(&[vec![1e-4, 1e-4, 4e-4], vec![1e-4, 1.0, 4e-4]]);
+        let expected = [0.01, 0.50005f64.sqrt(), 0.02];
+        assert!(
+            errors.iter().zip(expected).all(|(error, expected)| (error / expected - 1.0).abs() < 1e-12),
+            "{errors:?}"
+        );
+    }
 }

@@ -18,7 +18,7 @@ const SCHEMA: &str = "tirtouch.schema.json";
 /// On a terminal it asks for what no flag says.
 #[derive(Debug, Args)]
 pub(super) struct New {
-    /// Name of the scene; the file is NAME.toml.
+    /// Name of the scene; the file is NAME.toml, whether or not that is said.
     name: String,
     /// What the scene holds.
     #[arg(long, value_enum)]
@@ -76,13 +76,13 @@ impl SceneKind {
 
 impl New {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let name = self.name.strip_suffix(".toml").unwrap_or(&self.name);
         let plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
-        if self.name.is_empty() || self.name.starts_with(['.', '-']) || !self.name.chars().all(plain) {
-            let message =
-                format!("`{}`: a name has letters, digits, - _ and . and begins with none of these", self.name);
+        if name.is_empty() || name.starts_with(['.', '-']) || !name.chars().all(plain) {
+            let message = format!("`{name}`: a name has letters, digits, - _ and . and begins with neither - nor .");
             return Err(Failure::usage(message));
         }
-        let file = self.out.join(format!("{}.toml", self.name));
+        let file = self.out.join(format!("{name}.toml"));
         if file.symlink_metadata().is_ok() {
             return Err(is_there(&file));
         }
@@ -102,7 +102,7 @@ impl New {
             }
         }
         let loaded = vary::with(loaded, &file, &self.set)?;
-        let text = renamed(&loaded, &self.name, preset);
+        let text = renamed(&loaded, name, preset);
         // What is written can be read.
         scene::parse(&text, &file)?;
         let schema = self.out.join(SCHEMA);

@@ -19,8 +19,10 @@ fn a_new_scene_is_one_that_can_be_inspected() {
     let schema = std::fs::read(folder.path().join("tirtouch.schema.json")).unwrap();
     assert!(serde_json::from_slice::<Value>(&schema).unwrap()["properties"]["stack"].is_object());
 
-    let again = tirtouch_in(folder.path(), &["new", "my-dent"]);
-    assert_eq!((code(&again), one_line(&again)), (2, "./my-dent.toml: is there already"));
+    for name in ["my-dent", "my-dent.toml"] {
+        let again = tirtouch_in(folder.path(), &["new", name]);
+        assert_eq!((code(&again), one_line(&again)), (2, "./my-dent.toml: is there already"));
+    }
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("nowhere", folder.path().join("link.toml")).unwrap();
