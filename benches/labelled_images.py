@@ -2,9 +2,9 @@
 
     python benches/labelled_images.py --library target/release/examples/labelled_images [--images 8] [--rounds 3]
 
-Runs the loop of labelled_images.rs (`--alone`) and the same from Python in turn, each in a process of its own: a session
-opens, and each scene is loaded, pressed and traced to the error. Prints both rates of each round and their ratio, and
-fails where an image differs.
+Runs the loop of labelled_images.rs (`--alone`) and the same from Python in turn, each in a process of its own: a
+session opens, and each scene is loaded, pressed and traced to the error. Prints both rates of each round and their
+ratio, and fails where the sum of an image's grey levels differs.
 """
 
 import argparse

@@ -9,9 +9,9 @@
 //! is traced to the error asked for, a share of a pixel's radiance; the others with a third more photons than that
 //! took, and with more again where these did not do. One thread presses the next phantom, from the last one, while this
 //! one is traced. With `--alone` the scenes are written to a folder, and each is pressed from rest once the one before
-//! is traced, with its number as its seed, and is traced to the error: a plain loop, which labelled_images.py times from
-//! Python. With `--sweep` the phantom stays and the index of the touched layer changes. Presses estimate their errors
-//! with `--estimate`.
+//! is traced, with its number as its seed, and is traced to the error: a plain loop, which labelled_images.py times
+//! from Python. With `--sweep` the phantom stays and the index of the touched layer changes. Presses estimate their
+//! errors with `--estimate`.
 //!
 //! Prints the label, the sum of grey levels and the seconds of each image, and images a minute; with `--program` also
 //! those of that program, a command for each image of the same scenes. The variable makes Mesa's llvmpipe work as
