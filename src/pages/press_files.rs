@@ -4,7 +4,7 @@ use super::PageError;
 use super::press::load_name;
 use super::press_vtu::write_vtu;
 use crate::mechanics::kinematics::Kinematics;
-use crate::mechanics::press::{Load, PressStep, Pressed, element_pressure};
+use crate::mechanics::press::{ContactPoint, Load, PressStep, Pressed, element_pressure, is_judged};
 use crate::output::OutputFolder;
 use crate::pipeline::setting;
 use crate::report::{AxisName, ColorScale, Curve, CurvePlot, CurveStyle, Raster, curve_plot, false_color};
@@ -109,21 +109,44 @@ fn mesh(name: &str, pressed: &Pressed, step: &PressStep) -> Result<String, PageE
 
 fn curves(name: &str, pressed: &Pressed) -> Result<String, PageError> {
     let curve = |step: &PressStep| {
-        let place = |point: &crate::mechanics::press::ContactPoint| point.reference_mm[0] + point.displacement_mm[0];
-        let points: Vec<[f64; 2]> = step.points.iter().map(|p| [place(p), p.pressure_kpa]).collect();
+        let points = drawn_pressure(pressed, step);
         Curve { name: load_name(step), points, band: Vec::new(), style: CurveStyle::Line }
     };
-    let peak = pressed.steps.iter().map(|step| step.peak_pressure_kpa).fold(0.0, f64::max);
     Ok(curve_plot(&CurvePlot {
         title: &format!("{name}: contact pressure"),
         subtitle: "on the deformed touched face; the edge of a tied or sharp contact is singular",
         x: AxisName { quantity: "distance from the axis", unit: "mm" },
         y: AxisName { quantity: "pressure", unit: "kPa" },
         curves: pressed.steps.iter().map(curve).collect(),
-        // The singular edge would press all else to the floor.
-        highest: Some(1.6 * peak).filter(|highest| *highest > 0.0),
+        highest: Some(most_shown_kpa(pressed)).filter(|highest| *highest > 0.0),
         from_zero: true,
     })?)
+}
+
+/// Highest contact pressure that is drawn, kPa: the singular edge would press all else to the floor.
+pub(super) fn most_shown_kpa(pressed: &Pressed) -> f64 {
+    1.6 * pressed.steps.iter().map(|step| step.peak_pressure_kpa).fold(0.0, f64::max)
+}
+
+/// Contact pressure along the deformed face as it is drawn: places, mm, and pressures, kPa.
+///
+/// Towards a singular edge the nodes of quadratic elements lie in turn above and below the pressure. There each is drawn
+/// as its mean with its neighbours, which leaves what is smooth where it was; contact.csv has the nodes' own.
+pub(super) fn drawn_pressure(pressed: &Pressed, step: &PressStep) -> Vec<[f64; 2]> {
+    let pressures: Vec<f64> = step.points.iter().map(|point| point.pressure_kpa).collect();
+    let drawn = |(k, point): (usize, &ContactPoint)| {
+        let place = point.reference_mm[0] + point.displacement_mm[0];
+        let own = is_judged(&pressed.setup, point);
+        [place, if own { point.pressure_kpa } else { mean_with_neighbours(&pressures, k) }]
+    };
+    step.points.iter().enumerate().map(drawn).collect()
+}
+
+/// Mean of a value of a row, twice, and its one or two neighbours.
+fn mean_with_neighbours(values: &[f64], k: usize) -> f64 {
+    let beside = [k.checked_sub(1), Some(k), Some(k), Some(k + 1)];
+    let beside: Vec<f64> = beside.into_iter().flatten().filter_map(|k| values.get(k).copied()).collect();
+    beside.iter().sum::<f64>() / beside.len() as f64
 }
 
 /// Cells along the longer side of the pressure's picture in three dimensions.
@@ -142,4 +165,19 @@ fn map(name: &str, pressed: &Pressed, step: &PressStep) -> Result<String, PageEr
         mm_per_pixel: Some(2.0 * reach[0] / columns as f64),
     };
     Ok(false_color(&format!("{name}: contact pressure at {}", load_name(step)), &raster, ColorScale::Linear)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mean_with_neighbours;
+
+    #[test]
+    fn a_mean_with_neighbours_drops_what_goes_up_and_down_and_keeps_a_slope() {
+        let values: Vec<f64> = (0..8).map(|k| 3.0 + 0.5 * f64::from(k) + if k % 2 == 0 { 2.0 } else { -2.0 }).collect();
+        for k in 1..7 {
+            assert!((mean_with_neighbours(&values, k) - (3.0 + 0.5 * k as f64)).abs() < 1e-12, "{k}");
+        }
+        assert!((mean_with_neighbours(&values, 0) - (2.0 * 5.0 + 1.5) / 3.0).abs() < 1e-12);
+        assert!((mean_with_neighbours(&values, 7) - (2.0 * 4.5 + 8.0) / 3.0).abs() < 1e-12);
+    }
 }

@@ -31,7 +31,7 @@ pub use contact_curve::{ContactPoint, contact_points};
 pub use cost::Cost;
 pub use error::PressError;
 pub use findings::Findings;
-pub use pressed::{PressStep, Pressed, PressureError, Rounding};
+pub use pressed::{PressStep, Pressed, PressureError, Rounding, is_judged};
 pub use run::{PressSettings, press, press_near};
 pub use setup::{Load, Pose, SensorBody, Setup};
 

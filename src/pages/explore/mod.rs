@@ -3,6 +3,7 @@
 mod solid;
 
 use super::press::load_name;
+use super::press_files::{drawn_pressure, most_shown_kpa};
 use super::shot::scale_of;
 use crate::camera::{ProjectionError, View as Projection};
 use crate::estimate::GreyImage;
@@ -177,23 +178,13 @@ fn map(pressed: &Pressed) -> View {
     }
 }
 
-/// As in the picture of the press: the singular edge would leave no colours, and no height, to all else.
-fn most_shown_kpa(pressed: &Pressed) -> f64 {
-    1.6 * pressed.steps.iter().map(|step| step.peak_pressure_kpa).fold(0.0, f64::max)
-}
-
 fn curves(pressed: &Pressed) -> Curves {
-    let points = |step: &PressStep| {
-        let point = |point: &crate::mechanics::press::ContactPoint| {
-            [point.reference_mm[0] + point.displacement_mm[0], point.pressure_kpa]
-        };
-        step.points.iter().map(point).collect()
-    };
     let along = match pressed.setup.kinematics {
         Kinematics::PlaneStrain => "distance from the middle",
         _ => "distance from the axis",
     };
-    Curves { along, highest_kpa: most_shown_kpa(pressed), loads: pressed.steps.iter().map(points).collect() }
+    let loads = pressed.steps.iter().map(|step| drawn_pressure(pressed, step)).collect();
+    Curves { along, highest_kpa: most_shown_kpa(pressed), loads }
 }
 
 #[cfg(test)]
