@@ -18,7 +18,7 @@ use tirtouch::scene::{LoadedScene, preset};
 use tirtouch::trace::batch::{Batch, Work};
 use tirtouch::trace::exitance::{Smoothing, TouchedFace};
 use tirtouch::trace::render::REPLICATES;
-use tirtouch::trace::{BackendChoice, Devices, Method, Model, Precision};
+use tirtouch::trace::{BackendChoice, Devices, Integrator, Model, Precision};
 
 /// A scene, the middle of its image, and the radius of what is looked at.
 struct Case {
@@ -61,9 +61,9 @@ fn main() -> Result<()> {
     std::fs::create_dir_all(&folder)?;
     let mut rows = Vec::new();
     for case in &CASES {
-        let splat = measure(case, Method::Splat, TEXELS_MM[0], rounds, raw)?;
+        let splat = measure(case, Integrator::Splat, TEXELS_MM[0], rounds, raw)?;
         for texel_mm in TEXELS_MM {
-            let map = measure(case, Method::Map, texel_mm, rounds, raw)?;
+            let map = measure(case, Integrator::Map, texel_mm, rounds, raw)?;
             rows.push(row(case, texel_mm, &map, &splat));
         }
     }
@@ -71,7 +71,7 @@ fn main() -> Result<()> {
     write_csv(&rows, &folder.join("map_bias.csv"))
 }
 
-fn measure(case: &Case, method: Method, texel_mm: f64, rounds: u32, raw: bool) -> Result<Rounds> {
+fn measure(case: &Case, method: Integrator, texel_mm: f64, rounds: u32, raw: bool) -> Result<Rounds> {
     let mut loaded = preset(case.scene)?;
     loaded.scene.render.map_texel_mm = texel_mm;
     let mut model = model_of(&loaded, None)?.2;
@@ -92,14 +92,14 @@ fn measure(case: &Case, method: Method, texel_mm: f64, rounds: u32, raw: bool) -
     let mut out = Rounds::default();
     let face = TouchedFace::new(&model);
     let mut smoothing = Smoothing::default();
-    if method == Method::Map && !raw {
+    if method == Integrator::Map && !raw {
         let part = Work { photons: work.photons / u64::from(REPLICATES), ..work };
         let lights = (0..REPLICATES).map(|k| batch.contact_light(1000 + k, part, &face, &mut |_| true));
         smoothing = face.choose(&lights.collect::<Result<Vec<_>, _>>()?);
         eprintln!("boxes of {:?} texels", smoothing.widths);
     }
     for round in 0..rounds {
-        let image = if method == Method::Map {
+        let image = if method == Integrator::Map {
             let light = batch.contact_light(round, work, &face, &mut |_| true)?;
             let texels = face.texels(&[light], smoothing).pop().context("a map")?;
             batch.mapped(round, work, &texels, &mut |_| true)?

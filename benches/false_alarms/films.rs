@@ -9,13 +9,13 @@ use tirtouch::scene::preset;
 use tirtouch::trace::batch::{Batch, Work};
 use tirtouch::trace::exitance::TouchedFace;
 use tirtouch::trace::render::REPLICATES;
-use tirtouch::trace::{Backend, BackendChoice, Devices, Method, Model, Precision};
+use tirtouch::trace::{Backend, BackendChoice, Devices, Integrator, Model, Precision};
 
 /// A scene and how its light is found.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
     pub scene: &'static str,
-    pub method: Method,
+    pub method: Integrator,
     pub photons: u64,
     /// Columns and rows in place of the scene's own, over the same view.
     pub size: Option<[u32; 2]>,
@@ -90,7 +90,7 @@ fn render(model: &Model<f64>, backend: &mut Backend, case: &Case, seed: u32, spp
     let mut batch = Batch::new(model, backend, method, seed);
     let work = Work { spp: spp.div_ceil(REPLICATES), photons: case.photons.div_ceil(REPLICATES.into()) };
     let go_on: &mut Observer = &mut |_| true;
-    let images: Vec<Vec<f64>> = if method == Method::Map {
+    let images: Vec<Vec<f64>> = if method == Integrator::Map {
         let face = TouchedFace::new(model);
         let maps =
             (0..REPLICATES).map(|k| batch.contact_light(k, work, &face, go_on)).collect::<Result<Vec<_>, _>>()?;

@@ -18,25 +18,25 @@ use films::{Case, Films};
 use statrs::distribution::{Beta, ContinuousCDF};
 use std::path::PathBuf;
 use tirtouch::film::compare;
-use tirtouch::trace::Method;
+use tirtouch::trace::Integrator;
 
 /// Photons of a render of few camera paths, as `render` has them.
 const PHOTONS: u64 = 1 << 20;
 /// In the pressed phantom, where they stay between clear walls for long.
 const FEW_PHOTONS: u64 = 1 << 17;
 
-const CASES: [(&str, Method, u64); 11] = [
-    ("flat-bonded", Method::Path, PHOTONS),
-    ("dent-cap", Method::Path, PHOTONS),
-    ("tsis-dent", Method::Path, PHOTONS),
-    ("contact-disc", Method::Path, PHOTONS),
-    ("contact-disc", Method::Splat, PHOTONS),
-    ("contact-disc", Method::Map, PHOTONS),
-    ("press-hertz", Method::Path, PHOTONS),
-    ("press-hertz", Method::Splat, PHOTONS),
-    ("press-hertz", Method::Map, PHOTONS),
-    ("phantom-size-8mm", Method::Path, FEW_PHOTONS),
-    ("phantom-size-8mm", Method::Map, FEW_PHOTONS),
+const CASES: [(&str, Integrator, u64); 11] = [
+    ("flat-bonded", Integrator::Path, PHOTONS),
+    ("dent-cap", Integrator::Path, PHOTONS),
+    ("tsis-dent", Integrator::Path, PHOTONS),
+    ("contact-disc", Integrator::Path, PHOTONS),
+    ("contact-disc", Integrator::Splat, PHOTONS),
+    ("contact-disc", Integrator::Map, PHOTONS),
+    ("press-hertz", Integrator::Path, PHOTONS),
+    ("press-hertz", Integrator::Splat, PHOTONS),
+    ("press-hertz", Integrator::Map, PHOTONS),
+    ("phantom-size-8mm", Integrator::Path, FEW_PHOTONS),
+    ("phantom-size-8mm", Integrator::Map, FEW_PHOTONS),
 ];
 const LEVELS: [f64; 3] = [0.05, 0.01, 0.001];
 const SMALL: [u32; 2] = [96, 72];

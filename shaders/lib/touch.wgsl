@@ -7,8 +7,10 @@
 @group(0) @binding(10) var<storage, read> share_grid: array<f32>;
 
 override SHARE_GRID: bool = false;
+override TISSUE_DISC: bool = true;  // else tissue lies over the whole face
 
 fn tissue_here(xy: vec2f) -> bool {
+    if (!TISSUE_DISC) { return true; }
     let d = xy - scene.tissue_center;
     return dot(d, d) <= scene.tissue_radius_sq;
 }

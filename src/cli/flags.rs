@@ -1,7 +1,7 @@
 //! Flags that commands share.
 
 use super::Failure;
-use crate::scene::Integrator;
+use crate::scene::IntegratorChoice;
 use crate::trace::{self, BackendChoice, Devices, Settings};
 use crate::vary::Set;
 use clap::{Args, ValueEnum};
@@ -41,7 +41,7 @@ pub struct Common {
     pub precision: Precision,
     /// Light-transport method [default: the scene's].
     #[arg(long, value_name = "auto|path|splat|map")]
-    pub integrator: Option<Integrator>,
+    pub integrator: Option<IntegratorChoice>,
     /// Camera paths per pixel [default: the scene's].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     pub spp: Option<u32>,
@@ -180,7 +180,7 @@ mod tests {
         let common = parse(&["-o", "x", "--force", "--seed", "7", "--integrator", "map", "--seconds", "1e2"]).unwrap();
         assert_eq!(common.destination("scene"), PathBuf::from("x"));
         assert_eq!(common.seed, Some(7));
-        assert_eq!(common.integrator, Some(Integrator::Map));
+        assert_eq!(common.integrator, Some(IntegratorChoice::Map));
         assert_eq!(common.seconds, Some(100.0));
         assert!(common.force && !common.talk.json);
         assert_eq!(parse(&[]).unwrap().destination("scene"), PathBuf::from("out/scene"));

@@ -5,10 +5,10 @@ use crate::film::Film;
 use crate::mechanics::press::{PressStep, Pressed};
 use crate::pipeline::model_of;
 use crate::progress::{Observer, Stage};
-use crate::scene::{Integrator, LoadedScene};
+use crate::scene::{IntegratorChoice, LoadedScene};
 use crate::streams::{Role, Streams};
 use crate::surface::SurfaceError;
-use crate::trace::{Devices, Kernel, Method, Model, Outcome, Plan, Precision, Settings, TraceError, render};
+use crate::trace::{Devices, Integrator, Kernel, Model, Outcome, Plan, Precision, Settings, TraceError, render};
 use thiserror::Error;
 
 /// Fewest camera paths a pixel: a render has 16 replicates.
@@ -35,7 +35,7 @@ pub struct Subject<'a> {
     pub loaded: &'a LoadedScene,
     /// Its press and the load that is traced, where it has one.
     pub press: Option<(&'a Pressed, &'a PressStep)>,
-    /// What is asked of the light; work and method are the rungs'.
+    /// What is asked of the light; work and integrator are the rungs'.
     pub settings: Settings,
     /// What traces it.
     pub devices: &'a Devices,
@@ -60,8 +60,8 @@ pub struct Choice {
     pub level: Option<f64>,
     /// Camera paths a pixel; as many photons a pixel.
     pub spp: u32,
-    /// Method.
-    pub integrator: Integrator,
+    /// Integrator asked for.
+    pub integrator: IntegratorChoice,
     /// Texel of the map, mm.
     pub texel_mm: f64,
     /// Points of height fields.
@@ -113,13 +113,13 @@ impl Subject<'_> {
         }
         let spp = choice.spp;
         let why = if !kernel.touched {
-            choice.integrator = Integrator::Path;
+            choice.integrator = IntegratorChoice::Path;
             format!("path, without bias, {spp} samples a pixel")
-        } else if Plan::choose(Integrator::Splat, &kernel).is_ok() {
-            choice.integrator = Integrator::Splat;
+        } else if Plan::choose(IntegratorChoice::Splat, &kernel).is_ok() {
+            choice.integrator = IntegratorChoice::Splat;
             format!("splat, without bias, {spp} samples a pixel")
         } else {
-            choice.integrator = Integrator::Map;
+            choice.integrator = IntegratorChoice::Map;
             choice.texel_mm *= 0.5;
             format!("map with texels of {} mm, {spp} samples a pixel", choice.texel_mm)
         };
@@ -129,13 +129,13 @@ impl Subject<'_> {
     /// All rungs.
     ///
     /// # Errors
-    /// As [`Self::reference`]; [`TraceError::Unsuited`] where the scene's own method does not suit it.
+    /// As [`Self::reference`]; [`TraceError::Unsuited`] where the scene's own integrator does not suit it.
     pub fn choices(&self) -> Result<Vec<Choice>, LightError> {
         let default = self.default();
         let kernel = Kernel::of(&self.model(&default)?);
-        let chosen = Plan::choose(default.integrator, &kernel)?.method;
+        let chosen = Plan::choose(default.integrator, &kernel)?.integrator;
         let mut choices = self.samples(&kernel, chosen);
-        if chosen == Method::Map {
+        if chosen == Integrator::Map {
             // Half the default costs several times as much, in the choice of the smoothing alone.
             let factors: &[f64] = if self.quick { &[4.0, 2.0, 1.0] } else { &[8.0, 4.0, 2.0, 1.0, 0.5] };
             choices.extend(factors.iter().map(|factor| factor * default.texel_mm).map(|texel_mm| Choice {
@@ -164,14 +164,13 @@ impl Subject<'_> {
         Ok(choices)
     }
 
-    /// A ladder of samples for each method that suits the scene.
-    fn samples(&self, kernel: &Kernel, chosen: Method) -> Vec<Choice> {
+    /// A ladder of samples for each integrator that suits the scene.
+    fn samples(&self, kernel: &Kernel, chosen: Integrator) -> Vec<Choice> {
         let default = self.default();
         let mut choices = Vec::new();
-        let methods =
-            [(Integrator::Path, Method::Path), (Integrator::Map, Method::Map), (Integrator::Splat, Method::Splat)];
-        for (integrator, method) in methods {
-            if Plan::choose(integrator, kernel).is_err() {
+        for integrator in [Integrator::Path, Integrator::Map, Integrator::Splat] {
+            let asked = IntegratorChoice::from(integrator);
+            if Plan::choose(asked, kernel).is_err() {
                 continue;
             }
             let mut spp = self.most_spp;
@@ -181,12 +180,12 @@ impl Subject<'_> {
                 spp /= if self.most_spp >= 16 * LEAST_SPP { 4 } else { 2 };
             }
             choices.extend(ladder.into_iter().rev().map(|spp| Choice {
-                series: method.name().into(),
+                series: integrator.name().into(),
                 setting: format!("{spp} samples a pixel"),
                 level: Some(f64::from(spp)),
                 spp,
-                integrator,
-                is_default: method == chosen && spp == default.spp,
+                integrator: asked,
+                is_default: integrator == chosen && spp == default.spp,
                 ..default.clone()
             }));
         }
@@ -194,7 +193,7 @@ impl Subject<'_> {
     }
 
     /// The same image in f32 and f64 on the CPU, and on the GPU where that is what is asked for.
-    fn precisions(&self, default: &Choice, chosen: Method) -> Vec<Choice> {
+    fn precisions(&self, default: &Choice, chosen: Integrator) -> Vec<Choice> {
         let is_gpu = self.devices.is_gpu();
         let cpu = [(Some(Precision::F32), "cpu f32"), (Some(Precision::F64), "cpu f64")];
         let choice = |(twin, name): (Option<Precision>, &str)| Choice {

@@ -25,7 +25,7 @@ pub fn facts(shot: &Shot) -> Vec<(String, String)> {
     let fact = |name: &str, value: String| (name.to_owned(), value);
     vec![
         fact("computed on", format!("{} ({})", outcome.adapter, outcome.backend)),
-        fact("integrator", format!("{}: {}", outcome.plan.method.name(), outcome.plan.why)),
+        fact("integrator", format!("{}: {}", outcome.plan.integrator.name(), outcome.plan.why)),
         fact(
             "samples",
             format!(

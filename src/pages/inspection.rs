@@ -13,7 +13,7 @@ use crate::scene::LoadedScene;
 use crate::streams::{Role, Streams};
 use crate::surface::Surface;
 use crate::trace::gains::{Gain, gains, small};
-use crate::trace::{Devices, Kernel, Method, Model, Plan, TraceError};
+use crate::trace::{Devices, Integrator, Kernel, Model, Plan, TraceError};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -202,10 +202,10 @@ impl Seen {
         let [columns, rows] = self.prepared.model.camera.size.map(u64::from);
         let pixels = columns * rows;
         let texels = (self.prepared.model.map_size[0] * self.prepared.model.map_size[1]) as u64;
-        let deposits = match self.plan.method {
-            Method::Path => 0,
-            Method::Splat => 8 * pixels,
-            Method::Map => (2 * 8 + 16) * texels,
+        let deposits = match self.plan.integrator {
+            Integrator::Path => 0,
+            Integrator::Splat => 8 * pixels,
+            Integrator::Map => (2 * 8 + 16) * texels,
         };
         let control = match &self.prepared.surface {
             Surface::Fields(fields) => fields.iter().flatten().map(|field| field.control.len() as u64).sum(),
@@ -229,7 +229,7 @@ impl Seen {
             "launch_cone_deg": self.launch_cone_deg(),
             "regimes": regimes(&self.prepared, &self.layers),
             "surface": self.prepared.surface.name(),
-            "integrator": self.plan.method.name(),
+            "integrator": self.plan.integrator.name(),
             "why": self.plan.why,
             "kernel": {"included": self.pieces(true), "left_out": self.pieces(false)},
             "camera": {"pixels": scene.camera.pixels, "mm_per_pixel": view_of(self.prepared.scene())?.mm_per_pixel()},
@@ -284,7 +284,7 @@ impl Seen {
         let row = |name: &str, value: String| (name.to_owned(), value);
         let mut rows = vec![
             row("surface", self.prepared.surface.name().to_owned()),
-            row("integrator", format!("{}: {}", self.plan.method.name(), self.plan.why)),
+            row("integrator", format!("{}: {}", self.plan.integrator.name(), self.plan.why)),
             row("kernel has", list(self.pieces(true))),
             row("leaves out", list(self.pieces(false))),
             row(

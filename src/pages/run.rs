@@ -78,7 +78,7 @@ fn cards(shot: &Shot) -> Vec<(String, String)> {
     };
     vec![
         card("backend", outcome.backend.to_owned()),
-        card("integrator", outcome.plan.method.name().to_owned()),
+        card("integrator", outcome.plan.integrator.name().to_owned()),
         card("tracing time", format!("{} s", figure(outcome.seconds))),
         card("paths a pixel", outcome.spp.to_string()),
         card("photons", figure(outcome.photons as f64)),
@@ -143,7 +143,7 @@ fn light(shot: &Shot, pictures: &Pictures) -> Section {
                  the table below has the true shares.",
             ),
             Item::Ledger(shot.outcome.ledger),
-            Item::Text(format!("Integrator {}: {}.", shot.outcome.plan.method.name(), shot.outcome.plan.why)),
+            Item::Text(format!("Integrator {}: {}.", shot.outcome.plan.integrator.name(), shot.outcome.plan.why)),
         ],
     }
 }

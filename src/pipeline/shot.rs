@@ -64,7 +64,7 @@ impl<'a> Shot<'a> {
             sensor_seed: Some(self.prepared.streams.sensor()),
             spp: u32::try_from(outcome.spp).unwrap_or(u32::MAX),
             photons: outcome.photons,
-            integrator: outcome.plan.method.name().into(),
+            integrator: outcome.plan.integrator.name().into(),
             backend: outcome.backend.into(),
             adapter: outcome.adapter.clone(),
             version: env!("CARGO_PKG_VERSION").into(),

@@ -276,7 +276,7 @@ impl Shot<'_> {
             backend: outcome.backend,
             adapter: outcome.adapter.clone(),
             notice: outcome.notice.clone(),
-            integrator: outcome.plan.method.name(),
+            integrator: outcome.plan.integrator.name(),
             why: outcome.plan.why,
             seed: self.prepared.streams.seed,
             stream: self.prepared.settings.seed,

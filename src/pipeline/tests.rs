@@ -3,7 +3,7 @@
 
 use super::{Order, PipelineError, Prepared, Session};
 use crate::mechanics::press::Pressed;
-use crate::scene::{Integrator, LoadedScene, Render, preset};
+use crate::scene::{IntegratorChoice, LoadedScene, Render, preset};
 use crate::streams::{Sharing, Streams};
 use crate::trace::{BackendChoice, Devices, Precision, Settings, TraceError};
 use std::sync::Arc;
@@ -204,7 +204,7 @@ fn a_map_may_be_left_unsmoothed() {
     let render = |map_smoothing| {
         let mut loaded = coarse("phantom-size-8mm");
         let render = loaded.scene.render.clone();
-        loaded.scene.render = Render { integrator: Integrator::Map, map_texel_mm: 0.25, map_smoothing, ..render };
+        loaded.scene.render = Render { integrator: IntegratorChoice::Map, map_texel_mm: 0.25, map_smoothing, ..render };
         let mut session = session();
         let prepared = reseeded(&prepared(&mut session, loaded), 1, Sharing::Own);
         session.shoot(&prepared, &mut |_| true).unwrap().outcome

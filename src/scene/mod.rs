@@ -86,7 +86,7 @@ pub struct Scene {
 #[serde(deny_unknown_fields, default)]
 pub struct Render {
     /// Light-transport method.
-    pub integrator: Integrator,
+    pub integrator: IntegratorChoice,
     /// Camera paths per pixel.
     pub spp: u32,
     /// Photons sent from the LEDs; used by `splat`, `map` and the ledger. Absent: chosen from `spp`.
@@ -105,7 +105,7 @@ pub struct Render {
 impl Default for Render {
     fn default() -> Self {
         Self {
-            integrator: Integrator::Auto,
+            integrator: IntegratorChoice::Auto,
             spp: 64,
             photons: None,
             map_texel_mm: 0.125,
@@ -116,10 +116,10 @@ impl Default for Render {
     }
 }
 
-/// Light-transport method.
+/// Which light-transport method is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Integrator {
+pub enum IntegratorChoice {
     /// Chosen from the scene; the reason is reported.
     Auto,
     /// From the camera through everything until a ray meets an LED. Unbiased; the reference.
@@ -130,7 +130,7 @@ pub enum Integrator {
     Map,
 }
 
-impl std::str::FromStr for Integrator {
+impl std::str::FromStr for IntegratorChoice {
     type Err = &'static str;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {

@@ -9,7 +9,7 @@ use crate::scene::{Walls, preset, validate};
 use crate::trace::batch::{Batch, Totals};
 use crate::trace::cpu::{End, Limits, Path, book};
 use crate::trace::render::accepted;
-use crate::trace::{Method, Model, TraceError};
+use crate::trace::{Integrator, Model, TraceError};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// Steps that a hard ray is followed for.
@@ -125,7 +125,7 @@ pub fn ledgers(context: &Context, tracer: &Tracer) -> Result<Vec<Row>, Stability
     let (mut lost, mut residual, mut cut) = (0.0f64, 0.0f64, 0.0f64);
     for scene in &scenes {
         let mut backend = tracer.open(&scene.model)?;
-        let mut batch = Batch::new(&scene.model, &mut backend, Method::Path, 7);
+        let mut batch = Batch::new(&scene.model, &mut backend, Integrator::Path, 7);
         batch.ledger(photons, &mut |_| true)?;
         let ledger = batch.totals.ledger();
         lost = lost.max(batch.totals.lost() as f64 / batch.totals.photons.max(1) as f64);

@@ -6,7 +6,7 @@ use crate::camera::expose;
 use crate::estimate::{Calibration, GreyImage, Settings, Value, estimate, stiffness};
 use crate::film::{BlockAccumulator, RADIANCE_UNIT};
 use crate::scene::preset;
-use crate::trace::Method;
+use crate::trace::Integrator;
 use crate::trace::batch::{Batch, Work};
 
 /// Columns and rows of the made-up images.
@@ -47,7 +47,7 @@ fn dark(context: &Context, rows: &mut Vec<Row>) -> Result<(), StabilityError> {
     loaded.scene.camera.pixels = model.camera.size;
     for tracer in &context.tracers {
         let mut backend = tracer.open(&model)?;
-        let mut batch = Batch::new(&model, &mut backend, Method::Path, 5);
+        let mut batch = Batch::new(&model, &mut backend, Integrator::Path, 5);
         let image = batch.replicate(0, Work { spp, photons: 1 }, &mut |_| true)?;
         let subject = Subject::new(Part::Image, "flat stack, LEDs in air, nothing touches", tracer.name());
         let most = image.iter().copied().fold(0.0, f64::max);

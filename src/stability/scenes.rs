@@ -150,8 +150,8 @@ fn mesh_dent() -> Result<Model<f64>, StabilityError> {
     model(&loaded)
 }
 
-/// The touched face of `dent-cap`, 12 mm up, with a dent, as 32 x 32 squares of two triangles.
-fn dent_obj() -> String {
+/// The touched face of `dent-cap`, 12 mm up, with a dent, as 32 x 32 squares of two triangles: the text of an OBJ file.
+pub fn dent_obj() -> String {
     const SIDE: usize = 33;
     let at = |k: usize| -15.0 + 30.0 * k as f64 / (SIDE - 1) as f64;
     let vertex = |k: usize| {

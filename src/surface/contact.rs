@@ -14,9 +14,16 @@ pub struct ContactMap {
     pub share: Vec<f64>,
     /// Share everywhere, where there is no grid.
     pub uniform: f64,
-    /// Centre of the tissue, mm.
+    /// Where there is tissue; `None`: over the whole footprint.
+    pub disc: Option<TissueDisc>,
+}
+
+/// Tissue within a circle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TissueDisc {
+    /// Centre, mm.
     pub center_mm: [f64; 2],
-    /// Tissue exists within this radius, mm; infinite: over the whole footprint.
+    /// Radius, mm.
     pub radius_mm: f64,
 }
 
@@ -61,8 +68,7 @@ pub fn contact_map(loaded: &LoadedScene) -> Result<Option<ContactMap>, SurfaceEr
             rows: 0,
             share: Vec::new(),
             uniform: contact.law.share(pressure_kpa),
-            center_mm,
-            radius_mm,
+            disc: Some(TissueDisc { center_mm, radius_mm }),
         }));
     }
     share_grid(loaded, contact).map(Some)
@@ -86,8 +92,7 @@ fn share_grid(loaded: &LoadedScene, contact: &Contact) -> Result<ContactMap, Sur
         rows,
         share: pressure.iter().map(|&p| contact.law.share(p)).collect(),
         uniform: 0.0,
-        center_mm: [0.0, 0.0],
-        radius_mm: f64::INFINITY,
+        disc: None,
     })
 }
 

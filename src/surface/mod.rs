@@ -15,7 +15,7 @@ pub mod profile;
 
 pub use build::{SurfaceError, surface};
 pub use cap::Cap;
-pub use contact::{ContactMap, contact_map};
+pub use contact::{ContactMap, TissueDisc, contact_map};
 pub use height_field::HeightField;
 pub use mesh::Mesh;
 pub use pressed::{pressed_contact, pressed_surface};

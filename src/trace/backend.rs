@@ -10,7 +10,7 @@ use super::gpu::assemble::Entry;
 use super::gpu::{Gpu, GpuTracer};
 use super::model::{Model, Real};
 use super::modes::{CameraMode, Fates, PhotonMode, deposit_cells};
-use super::plan::Method;
+use super::plan::Integrator;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -157,15 +157,15 @@ impl Backend {
         }
     }
 
-    /// Builds the kernels of a method, so that they do not count as run time.
+    /// Builds the kernels of an integrator, so that they do not count as run time.
     ///
     /// # Errors
     /// As [`GpuTracer::prepare`]; the CPU has none.
-    pub fn prepare(&mut self, method: Method) -> Result<(), TraceError> {
+    pub fn prepare(&mut self, integrator: Integrator) -> Result<(), TraceError> {
         let Self::Gpu { camera, photons } = self else {
             return Ok(());
         };
-        let (seen, sent) = method.modes();
+        let (seen, sent) = integrator.modes();
         let (seen, sent) = (Entry::Camera(seen), Entry::Photons(sent));
         match photons {
             Some(photons) => {

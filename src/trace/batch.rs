@@ -7,7 +7,7 @@ use super::exitance::{ContactLight, Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;
 use super::modes::{CameraMode, Fates, PhotonMode};
-use super::plan::Method;
+use super::plan::Integrator;
 use super::unfold::direct_light;
 use crate::film::Ledger;
 use crate::progress::{Observer, Stage};
@@ -58,7 +58,7 @@ pub struct Times {
     pub map: f64,
     /// Camera paths.
     pub camera: f64,
-    /// Photons of the ledger, where the method sends none of its own or not all.
+    /// Photons of the ledger, where the integrator sends none of its own or not all.
     pub ledger: f64,
 }
 
@@ -140,7 +140,7 @@ pub struct Batch<'a> {
     /// The backend with the scene loaded.
     pub backend: &'a mut Backend,
     /// How light is found.
-    pub method: Method,
+    pub integrator: Integrator,
     /// Seed of the render.
     pub seed: u32,
     /// Paces chunks.
@@ -151,8 +151,8 @@ pub struct Batch<'a> {
 
 impl<'a> Batch<'a> {
     /// Nothing computed yet; `backend` holds the model.
-    pub fn new(model: &'a Model<f64>, backend: &'a mut Backend, method: Method, seed: u32) -> Self {
-        Self { model, backend, method, seed, pacer: Pacer::default(), totals: Totals::default() }
+    pub fn new(model: &'a Model<f64>, backend: &'a mut Backend, integrator: Integrator, seed: u32) -> Self {
+        Self { model, backend, integrator, seed, pacer: Pacer::default(), totals: Totals::default() }
     }
 
     /// Computes replicate `index`: radiance in W/(m^2 sr), row-major.
@@ -160,15 +160,15 @@ impl<'a> Batch<'a> {
     /// # Errors
     /// What the backend says; `Overflow` where sums of light are full, `Stopped` where `observe` says so.
     pub fn replicate(&mut self, index: u32, work: Work, observe: &mut Observer) -> Result<Vec<f64>, TraceError> {
-        match self.method {
-            Method::Path => self.camera(CameraMode::Path, index, work.spp, observe),
-            Method::Map => {
+        match self.integrator {
+            Integrator::Path => self.camera(CameraMode::Path, index, work.spp, observe),
+            Integrator::Map => {
                 let face = TouchedFace::new(self.model);
                 let light = self.contact_light(index, work, &face, observe)?;
                 let texels = face.texels(&[light], Smoothing::default()).pop().unwrap_or_default();
                 self.mapped(index, work, &texels, observe)
             }
-            Method::Splat => {
+            Integrator::Splat => {
                 let (deposits, sent) = self.photons(PhotonMode::Splat, index, work.photons, observe)?;
                 let mut image = self.camera(CameraMode::Complement, index, work.spp, observe)?;
                 let each = self.model.power * self.model.unit_radiance / sent / DEPOSIT_UNIT;

@@ -361,15 +361,11 @@ fn contact_share(model: &Model<f64>, low: [f64; 2], size: [f64; 2]) -> f64 {
 
 /// Share of a texel that lies under tissue, by 16 x 16 points where the tissue's rim may cross it.
 pub(super) fn tissue_share(model: &Model<f64>, low: [f64; 2], size: [f64; 2]) -> f64 {
-    let Some(tissue) = &model.tissue else {
-        return 0.0;
-    };
-    let inside = |fx: f64, fy: f64| {
-        let (dx, dy) = (low[0] + fx * size[0] - tissue.center[0], low[1] + fy * size[1] - tissue.center[1]);
-        dx * dx + dy * dy <= tissue.radius_sq
-    };
-    let middle = [low[0] + 0.5 * size[0] - tissue.center[0], low[1] + 0.5 * size[1] - tissue.center[1]];
-    let distance = (middle[0].hypot(middle[1]) - tissue.radius_sq.sqrt()).abs();
+    let Some(tissue) = &model.tissue else { return 0.0 };
+    let Some(disc) = tissue.disc else { return 1.0 };
+    let inside = |fx: f64, fy: f64| disc.holds(low[0] + fx * size[0], low[1] + fy * size[1]);
+    let middle = [low[0] + 0.5 * size[0] - disc.center[0], low[1] + 0.5 * size[1] - disc.center[1]];
+    let distance = (middle[0].hypot(middle[1]) - disc.radius_sq.sqrt()).abs();
     if distance > 0.5 * size[0].hypot(size[1]) {
         return f64::from(u8::from(inside(0.5, 0.5)));
     }

@@ -81,14 +81,16 @@ pub(super) fn check<T: Real>(model: &Model<T>, precision: &'static str) -> Resul
         let values = [
             ("n", tissue.n),
             ("spread", tissue.spread_d),
-            ("centre along x", tissue.center[0]),
-            ("centre along y", tissue.center[1]),
-            ("square of the radius", tissue.radius_sq),
             ("share of contact", tissue.share),
             ("step of n^2", tissue.dn_sq),
             ("step of n^2 of the gap", tissue.gap_dn_sq),
         ];
         named("tissue: ", &values)?;
+        if let Some(disc) = &tissue.disc {
+            let [x, y] = disc.center;
+            let values = [("centre along x", x), ("centre along y", y), ("square of the radius", disc.radius_sq)];
+            named("tissue: ", &values)?;
+        }
         all("tissue: a share of contact", &tissue.grid)?;
         match &tissue.scatter {
             Scatter::Lambertian(Lambertian { albedo, reentry_contact, reentry_gap }) => {

@@ -2,6 +2,7 @@
 //! has no use for, against the image without, alternating in one run.
 
 use super::backend::Devices;
+use super::disc::Disc;
 use super::error::TraceError;
 use super::kernel::{Kernel, ShapePiece};
 use super::model::{Camera, Deformation, FieldShape, Heights, Model, Spare, Tissue};
@@ -10,7 +11,7 @@ use super::scatter::Scatter;
 use crate::film::compare::compare;
 use crate::film::{Film, mean_interval};
 use crate::progress::{Observer, Stage};
-use crate::scene::Integrator;
+use crate::scene::IntegratorChoice;
 use crate::surface::{HeightField, Profile, Relief};
 use serde::Serialize;
 
@@ -78,7 +79,8 @@ pub fn gains(
     observe: &mut Observer,
 ) -> Result<Vec<Gain>, TraceError> {
     // Connections to the pinhole need flat, smooth stacks; what is loaded on may be neither.
-    let integrator = if settings.integrator == Integrator::Splat { Integrator::Auto } else { settings.integrator };
+    let integrator =
+        if settings.integrator == IntegratorChoice::Splat { IntegratorChoice::Auto } else { settings.integrator };
     let settings = &Settings { integrator, ..settings.clone() };
     let laden = laden(model, &Settings { seed: other_seed, ..settings.clone() });
     let mut ratios = vec![Vec::new(); laden.len()];
@@ -121,7 +123,7 @@ pub fn gains(
 fn laden(model: &Model<f64>, settings: &Settings) -> Vec<Laden> {
     let kernel = Kernel::of(model);
     type Load = fn(&mut Model<f64>, &mut Settings);
-    let spare: [(&str, bool, Load); 11] = [
+    let spare: [(&str, bool, Load); 12] = [
         ("height fields", kernel.shape == ShapePiece::Plane, |m, _| flat_fields(m)),
         ("height fields over the plane in place of profiles", kernel.shape == ShapePiece::Profile, |m, _| {
             over_the_plane(m)
@@ -137,11 +139,16 @@ fn laden(model: &Model<f64>, settings: &Settings) -> Vec<Laden> {
             m.camera = Camera { focus: m.camera.distance, ..m.camera };
             m.spare.push(Spare::Lens);
         }),
+        ("edge of the tissue", kernel.touched && !kernel.tissue_disc, |m, _| {
+            let [x, y] = m.half_size;
+            let disc = Disc { center: [0.0; 2], radius_sq: 2.0 * (x * x + y * y) };
+            m.tissue.iter_mut().for_each(|tissue| tissue.disc = Some(disc));
+        }),
         ("photons that can meet no tissue", kernel.aimed, |m, _| m.spare.push(Spare::Astray)),
         ("photons for light that unfolding finds", kernel.unfolded > 0, |m, _| m.spare.push(Spare::Direct)),
         ("tissue contact, photons and their map", !kernel.touched, |m, s| {
             m.tissue = Some(out_of_reach(m.surround_n));
-            s.integrator = Integrator::Map;
+            s.integrator = IntegratorChoice::Map;
         }),
     ];
     let left_out: Vec<_> = spare.into_iter().filter(|(_, left_out, _)| *left_out).collect();
@@ -206,8 +213,7 @@ fn out_of_reach(n: f64) -> Tissue<f64> {
         n,
         scatter: Scatter::lambertian(0.0, |_| 0.0, |_| 0.0),
         spread_d: 0.0,
-        center: [0.0; 2],
-        radius_sq: -1.0,
+        disc: Some(Disc { center: [0.0; 2], radius_sq: -1.0 }),
         share: 0.0,
         grid_size: [0; 2],
         grid: Vec::new(),

@@ -20,6 +20,8 @@ pub struct Kernel {
     pub rough: bool,
     /// Tissue touches the sensor.
     pub touched: bool,
+    /// Tissue ends at the edge of a disc.
+    pub tissue_disc: bool,
     /// Tissue is a half space of scatterers, not Lambertian.
     pub half_space: bool,
     /// Light spreads sideways in the tissue.
@@ -63,7 +65,7 @@ impl Kernel {
         let straight = matches!(model.shape, Deformation::Plane)
             && model.walls == Walls::Black
             && model.faces.iter().all(|f| f.finish == Finish::Smooth)
-            && model.tissue.as_ref().is_some_and(|t| t.radius_sq < T::of(1e30));
+            && model.tissue.as_ref().is_some_and(|t| t.disc.is_some());
         Self {
             shape: match model.shape {
                 Deformation::Plane => ShapePiece::Plane,
@@ -83,6 +85,7 @@ impl Kernel {
             touched: model.tissue.is_some(),
             half_space: model.tissue.as_ref().is_some_and(|t| t.scatter.is_half_space()),
             spreading: model.tissue.as_ref().is_some_and(|t| t.spread_d > zero),
+            tissue_disc: model.tissue.as_ref().is_some_and(|t| t.disc.is_some()),
             share_grid: model.tissue.as_ref().is_some_and(|t| !t.grid.is_empty()),
             led_tables: carries(Spare::LedTables) || model.leds.iter().any(|l| l.table.is_some()),
             cosine_power: carries(Spare::CosinePower) || model.leds.iter().any(|l| l.exponent != T::one()),
@@ -103,7 +106,7 @@ impl Kernel {
     }
 
     /// Names of the pieces, and whether each is in.
-    pub fn pieces(&self) -> [(&'static str, bool); 18] {
+    pub fn pieces(&self) -> [(&'static str, bool); 19] {
         [
             ("spherical cap", self.shape == ShapePiece::Cap),
             ("height fields over the plane", self.shape == ShapePiece::Field),
@@ -115,6 +118,7 @@ impl Kernel {
             ("mirror walls", self.mirror_walls),
             ("roughness", self.rough),
             ("tissue contact", self.touched),
+            ("edge of the tissue", self.tissue_disc),
             ("tissue as a half space of scatterers", self.half_space),
             ("sideways spread in tissue", self.spreading),
             ("contact share grid", self.share_grid),

@@ -6,6 +6,7 @@
 //! (docs/decisions/launch.md).
 
 use super::constants::TABLE_EDGE;
+use super::disc::Disc;
 use super::real::Real;
 use crate::scene::{self, IesTable, LoadedScene, Mount, Pattern, Wall, read_ies};
 use crate::surface::SurfaceError;
@@ -128,10 +129,10 @@ impl Led<f64> {
 }
 
 /// Aims LEDs at a disc; returns the share of their power that is left.
-pub(super) fn aim(leds: &mut [Led<f64>], half_size: [f64; 2], center: [f64; 2], radius: f64) -> f64 {
+pub(super) fn aim(leds: &mut [Led<f64>], half_size: [f64; 2], disc: Disc<f64>) -> f64 {
     let (mut before, mut sum) = (0.0, 0.0);
     for led in leds.iter_mut() {
-        led.aim = led.aimed_at(half_size, center, radius);
+        led.aim = led.aimed_at(half_size, disc.center, disc.radius_sq.sqrt());
         sum += (led.cumulative - before) * 0.5 * (led.aim[1] - led.aim[0]);
         before = led.cumulative;
         led.cumulative_aimed = sum;
@@ -288,9 +289,10 @@ mod tests {
     }
 
     fn model(loaded: &LoadedScene, center: [f64; 2]) -> Model<f64> {
-        let contact = crate::surface::contact_map(loaded)
-            .unwrap()
-            .map(|map| crate::surface::ContactMap { center_mm: center, ..map });
+        let contact = crate::surface::contact_map(loaded).unwrap().map(|mut map| {
+            map.disc.as_mut().unwrap().center_mm = center;
+            map
+        });
         Model::new(loaded, &crate::surface::Surface::Flat, contact).unwrap()
     }
 

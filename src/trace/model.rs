@@ -4,6 +4,7 @@
 //! surround above. Interface i lies between layers i and i + 1.
 
 use super::constants::Finish;
+use super::disc::Disc;
 use super::leds::Led;
 pub use super::real::Real;
 use super::scatter::Scatter;
@@ -157,10 +158,8 @@ pub struct Tissue<T> {
     pub scatter: Scatter<T>,
     /// Scale of the lateral profile, mm (its mean distance is 2.5 times this).
     pub spread_d: T,
-    /// Centre, mm.
-    pub center: [T; 2],
-    /// Square of its radius, mm^2.
-    pub radius_sq: T,
+    /// Where it is; `None`: over the whole face.
+    pub disc: Option<Disc<T>>,
     /// Share of true contact where there is no grid.
     pub share: T,
     /// Columns and rows of the share grid.
@@ -301,8 +300,7 @@ impl Model<f64> {
                 n: of(t.n),
                 scatter: t.scatter.cast(),
                 spread_d: of(t.spread_d),
-                center: pair(t.center),
-                radius_sq: of(t.radius_sq),
+                disc: t.disc.map(|disc| Disc { center: pair(disc.center), radius_sq: of(disc.radius_sq) }),
                 share: of(t.share),
                 grid_size: t.grid_size,
                 grid: t.grid.iter().map(|&v| of(v)).collect(),

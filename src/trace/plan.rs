@@ -1,13 +1,13 @@
-//! Which method finds the light of a scene, and why.
+//! Which integrator finds the light of a scene, and why.
 
 use super::error::TraceError;
 use super::kernel::Kernel;
 use super::modes::{CameraMode, PhotonMode};
-use crate::scene::Integrator;
+use crate::scene::IntegratorChoice;
 
 /// A light-transport method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
+pub enum Integrator {
     /// Camera paths followed until they meet an LED.
     Path,
     /// Photons connected to the pinhole at each diffuse vertex; camera paths for all other light.
@@ -16,7 +16,7 @@ pub enum Method {
     Map,
 }
 
-impl Method {
+impl Integrator {
     /// Name, as on the command line.
     pub fn name(self) -> &'static str {
         match self {
@@ -36,47 +36,57 @@ impl Method {
     }
 }
 
-/// A method with the reason for it.
+impl From<Integrator> for IntegratorChoice {
+    fn from(integrator: Integrator) -> Self {
+        match integrator {
+            Integrator::Path => Self::Path,
+            Integrator::Splat => Self::Splat,
+            Integrator::Map => Self::Map,
+        }
+    }
+}
+
+/// An integrator with the reason for it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Plan {
-    /// The method.
-    pub method: Method,
+    /// The integrator.
+    pub integrator: Integrator,
     /// Why, in a sentence.
     pub why: &'static str,
 }
 
 impl Plan {
-    /// Chooses the method for a scene, or checks that the one asked for suits it.
+    /// Chooses the integrator for a scene, or checks that the one asked for suits it.
     ///
     /// # Errors
     /// `Unsuited`: `map` and `splat` where no tissue touches; `splat` where interfaces are deformed or rough, or the
     /// camera has a lens.
-    pub fn choose(asked: Integrator, kernel: &Kernel) -> Result<Self, TraceError> {
-        let plan = |method, why| Ok(Self { method, why });
+    pub fn choose(asked: IntegratorChoice, kernel: &Kernel) -> Result<Self, TraceError> {
+        let plan = |integrator, why| Ok(Self { integrator, why });
         let unsuited = |why: &str| Err(TraceError::Unsuited(why.into()));
         match asked {
-            Integrator::Path => plan(Method::Path, "asked for"),
-            Integrator::Auto if !kernel.touched => {
-                plan(Method::Path, "no tissue touches: there is no diffuse light to gather")
+            IntegratorChoice::Path => plan(Integrator::Path, "asked for"),
+            IntegratorChoice::Auto if !kernel.touched => {
+                plan(Integrator::Path, "no tissue touches: there is no diffuse light to gather")
             }
-            Integrator::Auto => plan(
-                Method::Map,
+            IntegratorChoice::Auto => plan(
+                Integrator::Map,
                 "tissue touches: photons gather its diffuse light, camera paths see it through the exact geometry",
             ),
-            Integrator::Map | Integrator::Splat if !kernel.touched => {
-                unsuited("--integrator map and splat need tissue in contact; this scene has none: use path")
+            IntegratorChoice::Map | IntegratorChoice::Splat if !kernel.touched => {
+                unsuited("the integrators map and splat need tissue in contact; this scene has none: use path")
             }
-            Integrator::Map => plan(Method::Map, "asked for"),
-            Integrator::Splat if kernel.deformed() => {
-                unsuited("--integrator splat needs flat interfaces; this scene deforms them: use map or path")
+            IntegratorChoice::Map => plan(Integrator::Map, "asked for"),
+            IntegratorChoice::Splat if kernel.deformed() => {
+                unsuited("the integrator splat needs flat interfaces; this scene deforms them: use map or path")
             }
-            Integrator::Splat if kernel.lens => {
-                unsuited("--integrator splat needs a pinhole; this scene has a lens: use map or path")
+            IntegratorChoice::Splat if kernel.lens => {
+                unsuited("the integrator splat needs a pinhole; this scene has a lens: use map or path")
             }
-            Integrator::Splat if kernel.rough => {
-                unsuited("--integrator splat needs smooth interfaces; this scene has rough ones: use map or path")
+            IntegratorChoice::Splat if kernel.rough => {
+                unsuited("the integrator splat needs smooth interfaces; this scene has rough ones: use map or path")
             }
-            Integrator::Splat => plan(Method::Splat, "asked for"),
+            IntegratorChoice::Splat => plan(Integrator::Splat, "asked for"),
         }
     }
 }

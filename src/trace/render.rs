@@ -10,11 +10,11 @@ use super::error::TraceError;
 use super::exitance::{Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;
-use super::plan::{Method, Plan};
+use super::plan::{Integrator, Plan};
 use super::unseen::{Traced, Unseen};
 use crate::film::{BlockAccumulator, Film, Ledger};
 use crate::progress::{Observer, Stage};
-use crate::scene::{self, Integrator};
+use crate::scene::{self, IntegratorChoice};
 use std::time::Instant;
 
 /// Fewest replicates behind an error estimate, but where a budget of seconds ends before.
@@ -25,7 +25,7 @@ const LEAST_REPLICATES: u32 = 3;
 const BUDGET_TOLERANCE: f64 = 0.2;
 /// Most camera paths per pixel in a replicate: the film's sums hold 65,536 paths that each see the brightest LED.
 const REPLICATE_PATHS: u32 = 1 << 15;
-/// Photons of the ledger where the method sends none of its own or not all, unless asked for fewer.
+/// Photons of the ledger where the integrator sends none of its own or not all, unless asked for fewer.
 const LEDGER_PHOTONS: u64 = 1 << 20;
 /// Camera paths to a photon where photons find only what unfolding leaves.
 const PATHS_TO_A_PHOTON: u64 = 8;
@@ -62,8 +62,8 @@ const TERMINATED_TOLERANCE: f64 = 1e-4;
 /// How to render.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    /// Method asked for.
-    pub integrator: Integrator,
+    /// Integrator asked for.
+    pub integrator: IntegratorChoice,
     /// Camera paths per pixel; at least 16, rounded up to whole replicates, of which there are 16 to 31, or more of
     /// 2^15 paths.
     pub spp: u32,
@@ -99,7 +99,7 @@ pub struct Outcome {
     pub film: Film,
     /// Where the light went.
     pub ledger: Ledger,
-    /// Method and reason.
+    /// Integrator and reason.
     pub plan: Plan,
     /// Backend.
     pub backend: &'static str,
@@ -135,9 +135,9 @@ pub struct Outcome {
 }
 
 /// Says where blocks of a map or a splat are too noisy to be read: neighbours share photons, whose noise has shapes.
-fn blotches(method: Method, film: &Film) -> Option<String> {
+fn blotches(integrator: Integrator, film: &Film) -> Option<String> {
     let edge = if film.width.min(film.height) >= 2 * AREA_PIXELS { AREA_PIXELS } else { FEW_AREA_PIXELS };
-    let level = film.blocks.iter().find(|level| level.edge == edge && method != Method::Path)?;
+    let level = film.blocks.iter().find(|level| level.edge == edge && integrator != Integrator::Path)?;
     let error = relative_error(&level.mean, &level.variance).filter(|error| *error > BLOTCHES)?;
     Some(format!(
         "blocks of {edge} x {edge} pixels are known to {:.2} % only: what looks like an inclusion may be noise; more --photons or \
@@ -156,7 +156,7 @@ fn blotches(method: Method, film: &Film) -> Option<String> {
 /// whose noise is most of the error; and with them from there.
 ///
 /// # Errors
-/// `Unsuited` where the method does not suit the scene; as [`Devices::load`] and [`render_on`].
+/// `Unsuited` where the integrator does not suit the scene; as [`Devices::load`] and [`render_on`].
 pub fn render(
     devices: &Devices,
     model: &Model<f64>,
@@ -167,11 +167,11 @@ pub fn render(
         return once(devices, model, settings, observe);
     };
     let kernel = Kernel::of(model);
-    let method = Plan::choose(settings.integrator, &kernel)?.method;
-    let each = photons(&kernel, method, pixels(model)).max(FEW_PHOTONS) as f64;
+    let integrator = Plan::choose(settings.integrator, &kernel)?.integrator;
+    let each = photons(&kernel, integrator, pixels(model)).max(FEW_PHOTONS) as f64;
     // Camera paths per pixel that the photons match: at first fewer than there are.
     let mut work = f64::from(REPLICATES);
-    if method != Method::Path {
+    if integrator != Integrator::Path {
         work *= (FIRST_PHOTONS as f64 / each).min(1.0);
     }
     let (mut seconds, mut setup_seconds, mut segments, mut times) = (0.0, 0.0, 0, Times::default());
@@ -233,22 +233,23 @@ pub fn render_on(
     let kernel = Kernel::of(model);
     let plan = Plan::choose(settings.integrator, &kernel)?;
     let start = Instant::now();
-    let mut batch = Batch::new(model, backend, plan.method, settings.seed);
+    let mut batch = Batch::new(model, backend, plan.integrator, settings.seed);
     let pixels = pixels(model);
     let spp = (settings.spp / REPLICATES).clamp(1, REPLICATE_PATHS);
     let mut replicates = settings.spp.div_ceil(spp).max(REPLICATES);
     let least = if kernel.unfolded > 0 { LEAST_PHOTONS_BESIDE_UNFOLDING } else { LEAST_PHOTONS };
-    let all_photons = || photons(&kernel, plan.method, pixels * u64::from(settings.spp)).max(least);
+    let all_photons = || photons(&kernel, plan.integrator, pixels * u64::from(settings.spp)).max(least);
     let mut work = Work { spp, photons: settings.photons.unwrap_or_else(all_photons).div_ceil(u64::from(replicates)) };
     if !observe(Stage { done: 0.0, what: "compiling kernels" }) {
         return Err(TraceError::Stopped);
     }
-    batch.backend.prepare(plan.method)?;
+    batch.backend.prepare(plan.integrator)?;
     let setup_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
     if let Some(budget) = settings.seconds {
         // A throw-away pilot of one path per pixel measures the machine.
-        let pilot = Work { spp: 1, photons: work.photons.min(photons(&kernel, plan.method, pixels).max(FEW_PHOTONS)) };
+        let pilot =
+            Work { spp: 1, photons: work.photons.min(photons(&kernel, plan.integrator, pixels).max(FEW_PHOTONS)) };
         let timer = Instant::now();
         batch.replicate(u32::MAX, pilot, &mut |_| observe(Stage { done: 0.0, what: "measuring the machine" }))?;
         let Times { photons, map, camera, .. } = batch.totals.times;
@@ -264,13 +265,13 @@ pub fn render_on(
         work = Work { spp: scale as u32, photons: (pilot.photons as f64 * share) as u64 };
     }
     let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
-    let needs_ledger = batch.method == Method::Path || kernel.aimed;
+    let needs_ledger = batch.integrator == Integrator::Path || kernel.aimed;
     let first = replicates.min(2 * REPLICATES);
-    let mut gather = match batch.method {
-        Method::Map => Some(Gather::collect(&mut batch, first, work, &mut |done| {
+    let mut gather = match batch.integrator {
+        Integrator::Map => Some(Gather::collect(&mut batch, first, work, &mut |done| {
             observe(Stage { done: PHOTON_SHARE * done, what: "photons" })
         })?),
-        Method::Path | Method::Splat => None,
+        Integrator::Path | Integrator::Splat => None,
     };
     let before = if gather.is_some() { PHOTON_SHARE } else { 0.0 };
     let mut index = 0;
@@ -303,10 +304,10 @@ pub fn render_on(
     let Totals { segments, mut times, photons, .. } = batch.totals;
     if needs_ledger {
         let start = Instant::now();
-        let photons = match (settings.photons, batch.method) {
+        let photons = match (settings.photons, batch.integrator) {
             (None, _) => LEDGER_PHOTONS,
-            (Some(asked), Method::Path) => asked,
-            (Some(asked), Method::Map | Method::Splat) => asked.min(LEDGER_PHOTONS),
+            (Some(asked), Integrator::Path) => asked,
+            (Some(asked), Integrator::Map | Integrator::Splat) => asked.min(LEDGER_PHOTONS),
         };
         batch.ledger(photons, &mut |_| observe(Stage { done: 1.0, what: "flux ledger" }))?;
         times.ledger = start.elapsed().as_secs_f64();
@@ -320,10 +321,10 @@ pub fn render_on(
     let spp = totals.paths / pixels;
     let film = Film { samples: u32::try_from(spp).unwrap_or(u32::MAX), ..sum.finish() };
     let mean_radiance = film.mean.iter().map(|&v| f64::from(v)).sum::<f64>() / film.mean.len() as f64;
-    let blotches = blotches(plan.method, &film);
+    let blotches = blotches(plan.integrator, &film);
     Ok(Outcome {
         relative_error: relative_error(&film.mean, &film.variance),
-        unseen: Unseen::of(model, &film, Traced { method: plan.method, spp, photons }),
+        unseen: Unseen::of(model, &film, Traced { integrator: plan.integrator, spp, photons }),
         mean_radiance,
         ledger,
         plan,
@@ -411,11 +412,11 @@ impl Gather {
 }
 
 /// Photons to match so many camera paths.
-fn photons(kernel: &Kernel, method: Method, paths: u64) -> u64 {
-    match method {
-        Method::Path => 0,
-        Method::Map if kernel.unfolded > 0 => paths.div_ceil(PATHS_TO_A_PHOTON),
-        Method::Map | Method::Splat => paths,
+fn photons(kernel: &Kernel, integrator: Integrator, paths: u64) -> u64 {
+    match integrator {
+        Integrator::Path => 0,
+        Integrator::Map if kernel.unfolded > 0 => paths.div_ceil(PATHS_TO_A_PHOTON),
+        Integrator::Map | Integrator::Splat => paths,
     }
 }
 
@@ -466,11 +467,11 @@ mod tests {
     /// Uniform noise of a width has 0.29 of it as its deviation, a mean of 16 a fourth of that.
     #[test]
     fn blocks_that_are_noisy_are_told_where_photons_are_shared() {
-        let told = |size, noise| blotches(Method::Map, &film(size, noise));
+        let told = |size, noise| blotches(Integrator::Map, &film(size, noise));
         assert!(told(64, 0.2).is_some_and(|said| said.contains("16 x 16") && said.contains("inclusion")));
         assert_eq!(told(64, 0.02), None);
         assert!(told(16, 0.2).is_some_and(|said| said.contains("4 x 4")));
-        assert_eq!(blotches(Method::Path, &film(64, 0.2)), None);
+        assert_eq!(blotches(Integrator::Path, &film(64, 0.2)), None);
         assert_eq!(told(64, 0.0), None);
     }
 }

@@ -1,6 +1,7 @@
 //! From a validated scene to the tracer's model.
 
 use super::constants::Finish;
+use super::disc::Disc;
 use super::model::{Camera, CapShape, Deformation, Face, FieldShape, Heights, Layer, MeshShape, Model, Tissue, Walls};
 use super::scatter::Scatter;
 use super::{leds, unfold};
@@ -30,7 +31,7 @@ impl Model<f64> {
         };
         let half_size = scene.stack.footprint_mm.map(|f| 0.5 * f);
         let aimed_share =
-            tissue.as_ref().map_or(1.0, |t| leds::aim(&mut lit.leds, half_size, t.center, t.radius_sq.sqrt()));
+            tissue.as_ref().and_then(|t| t.disc).map_or(1.0, |disc| leds::aim(&mut lit.leds, half_size, disc));
         let texels = |extent: f64| ((extent / scene.render.map_texel_mm).round() as usize).max(2);
         let (walls, wall_reflectance) = match scene.stack.walls {
             scene::Walls::Black => (Walls::Black, 0.0),
@@ -200,8 +201,7 @@ fn tissue_of(t: &scene::Tissue, map: ContactMap, n_top: f64, n_0: f64) -> Tissue
         n: t.n,
         scatter,
         spread_d: t.spread_mm / 2.5,
-        center: map.center_mm,
-        radius_sq: (map.radius_mm * map.radius_mm).min(1e30),
+        disc: map.disc.map(|disc| Disc { center: disc.center_mm, radius_sq: disc.radius_mm * disc.radius_mm }),
         share: map.uniform,
         grid_size: [map.columns, map.rows],
         grid: map.share,

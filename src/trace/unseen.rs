@@ -16,7 +16,7 @@
 use super::kernel::{Kernel, ShapePiece};
 use super::leds::Led;
 use super::model::{Camera, Model};
-use super::plan::Method;
+use super::plan::Integrator;
 use crate::film::Film;
 use std::f64::consts::PI;
 
@@ -46,7 +46,7 @@ pub struct Unseen {
 /// What was traced.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Traced {
-    pub method: Method,
+    pub integrator: Integrator,
     /// Camera paths a pixel.
     pub spp: u64,
     /// Photons of the image, without those of a ledger traced on its own.
@@ -116,7 +116,7 @@ fn lowest_index(model: &Model<f64>) -> f64 {
 /// Mean radiance of tissue that no photon found lit: the flux that enters is at most 3 of so many photons, and rises
 /// about as Lambert has it, seen by the whole image.
 fn missed_by_photons(model: &Model<f64>, traced: Traced, pixels: f64) -> f64 {
-    let Some(tissue) = model.tissue.as_ref().filter(|_| traced.method != Method::Path) else {
+    let Some(tissue) = model.tissue.as_ref().filter(|_| traced.integrator != Integrator::Path) else {
         return 0.0;
     };
     let flux = model.power * model.unit_radiance * model.aimed_share * NONE_SEEN / traced.photons.max(1) as f64;
@@ -196,15 +196,15 @@ mod tests {
     /// A film of camera paths alone: `spp` a pixel in each of 16 replicates.
     fn traced(model: &Model<f64>, seed: u32, spp: u32) -> (Film, Unseen) {
         let mut backend = Backend::Cpu32(Box::new(CpuTracer::new(model.cast())));
-        let method = Method::Path;
-        let mut batch = Batch::new(model, &mut backend, method, seed);
+        let integrator = Integrator::Path;
+        let mut batch = Batch::new(model, &mut backend, integrator, seed);
         let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
         for index in 0..16 {
             let image = batch.replicate(index, Work { spp, photons: 1 }, &mut |_| true).unwrap();
             sum.add(&image).unwrap();
         }
         let film = sum.finish();
-        let unseen = Unseen::of(model, &film, Traced { method, spp: 16 * u64::from(spp), photons: 0 });
+        let unseen = Unseen::of(model, &film, Traced { integrator, spp: 16 * u64::from(spp), photons: 0 });
         (film, unseen)
     }
 
@@ -258,15 +258,18 @@ mod tests {
             assert_eq!(unseen.known_dark, None);
         }
         let (film, _) = &dark[0];
-        let bound =
-            |spp| Unseen::of(&model, film, Traced { method: Method::Path, spp, photons: 0 }).absolute_error(film);
+        let bound = |spp| {
+            Unseen::of(&model, film, Traced { integrator: Integrator::Path, spp, photons: 0 }).absolute_error(film)
+        };
         assert!((bound(64) / bound(1024) - 16.0).abs() < 1e-6);
         // No pixel is brighter than an LED, however few the paths: of one path a pixel, three finds in three of four
         // pixels.
         assert!((bound(1) * 1.96 / model.unit_radiance - 0.75f64.sqrt()).abs() < 1e-6, "{}", bound(1));
         // Where photons gather the light, theirs adds to what camera paths leave open: three of one photon are more
         // than there is.
-        let map = |photons| Unseen::of(&model, film, Traced { method: Method::Map, spp: 1 << 20, photons }).mean_below;
+        let map = |photons| {
+            Unseen::of(&model, film, Traced { integrator: Integrator::Map, spp: 1 << 20, photons }).mean_below
+        };
         let paths = 3.0 / f64::from(4 << 20) * model.unit_radiance;
         let by_photons = |photons| map(photons).unwrap() - paths;
         assert!((by_photons(1) / by_photons(1 << 10) / 1024.0 - 1.0).abs() < 1e-6 && by_photons(1) > mean);

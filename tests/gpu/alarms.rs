@@ -5,7 +5,7 @@ use crate::films::film;
 use tirtouch::film::{Film, compare};
 use tirtouch::trace::backend::{Backend, CpuTracer};
 use tirtouch::trace::batch::Work;
-use tirtouch::trace::plan::Method;
+use tirtouch::trace::plan::Integrator;
 
 const PAIRS: u32 = 24;
 const LEVEL: f64 = 0.05;
@@ -32,7 +32,7 @@ fn images_of_one_light_are_seldom_called_different() {
     let (_, model) = few_pixels();
     let film = |seed, work| {
         let backend = Backend::Cpu32(Box::new(CpuTracer::new(model.cast())));
-        film(backend, &model, Method::Map, seed, work)
+        film(backend, &model, Integrator::Map, seed, work)
     };
     let few = Work { spp: 1, photons: 1 << 11 };
     let films: Vec<Film> = (0..2 * PAIRS).map(|seed| film(seed + 1, few)).collect();

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use tirtouch::trace::backend::{BackendChoice, Precision};
 use tirtouch::trace::batch::{Batch, Work};
 use tirtouch::trace::gpu::{Gpu, GpuTracer};
-use tirtouch::trace::plan::Method;
+use tirtouch::trace::plan::Integrator;
 use tirtouch::trace::{Backend, Devices, Model, TraceError};
 
 /// Resident memory of this process, bytes; none where the system does not say.
@@ -19,12 +19,12 @@ fn resident() -> Option<u64> {
 
 #[test]
 fn a_device_lost_in_the_middle_of_a_render_is_an_error() {
-    for method in [Method::Path, Method::Map, Method::Splat] {
+    for integrator in [Integrator::Path, Integrator::Map, Integrator::Splat] {
         let Some(adapter) = require_gpu() else { return };
         let model = Case::preset("contact-disc").model([32, 24]);
         let device = adapter.device.clone();
         let mut backend = gpu(adapter, &model);
-        let mut batch = Batch::new(&model, &mut backend, method, 1);
+        let mut batch = Batch::new(&model, &mut backend, integrator, 1);
         let mut chunks = 0;
         let found = batch.replicate(0, Work { spp: 1 << 20, photons: 1 << 16 }, &mut |_| {
             chunks += 1;
@@ -33,8 +33,8 @@ fn a_device_lost_in_the_middle_of_a_render_is_an_error() {
             }
             true
         });
-        assert!(matches!(found, Err(TraceError::DeviceLost(_))), "{}: {found:?}", method.name());
-        assert_eq!(chunks, 2, "{}: it went on after the loss", method.name());
+        assert!(matches!(found, Err(TraceError::DeviceLost(_))), "{}: {found:?}", integrator.name());
+        assert_eq!(chunks, 2, "{}: it went on after the loss", integrator.name());
         // And it stays lost.
         let again = batch.replicate(1, Work { spp: 1, photons: 1 << 14 }, &mut |_| true);
         assert!(matches!(again, Err(TraceError::DeviceLost(_))), "{again:?}");
@@ -49,23 +49,23 @@ fn what_is_prepared_is_all_that_a_replicate_needs_on_one_device_and_on_two() {
             _ => [0, 0],
         }
     }
-    for method in [Method::Path, Method::Map, Method::Splat] {
+    for integrator in [Integrator::Path, Integrator::Map, Integrator::Splat] {
         let Some(adapter) = require_gpu() else { return };
         let model = Case::preset("contact-disc").model([32, 24]);
         let both = Devices::open(BackendChoice::Gpu, Precision::F32).unwrap().load(&model).unwrap();
         let films = [(gpu(adapter, &model), [2, 0]), (both, [1, 1])].map(|(mut backend, expected)| {
-            backend.prepare(method).unwrap();
-            assert_eq!(kernels(&backend), expected, "{}", method.name());
-            let mut batch = Batch::new(&model, &mut backend, method, 1);
+            backend.prepare(integrator).unwrap();
+            assert_eq!(kernels(&backend), expected, "{}", integrator.name());
+            let mut batch = Batch::new(&model, &mut backend, integrator, 1);
             let film = batch.replicate(0, Work { spp: 2, photons: 1 << 16 }, &mut |_| true).unwrap();
-            if method == Method::Path {
+            if integrator == Integrator::Path {
                 batch.ledger(1 << 16, &mut |_| true).unwrap();
             }
-            assert_eq!(kernels(&backend), expected, "{}: built in the middle of a render", method.name());
+            assert_eq!(kernels(&backend), expected, "{}: built in the middle of a render", integrator.name());
             film
         });
         assert!(films[0].iter().any(|&v| v > 0.0));
-        assert_eq!(films[0], films[1], "{}: one device and two", method.name());
+        assert_eq!(films[0], films[1], "{}: one device and two", integrator.name());
     }
 }
 
@@ -109,7 +109,7 @@ fn a_scene_after_another_of_its_make_takes_its_kernels_and_nothing_else() {
     });
     let film = |gpu: Arc<Gpu>, model: &Model<f64>| {
         let mut backend = GpuTracer::on(gpu, model).unwrap().into();
-        let mut batch = Batch::new(model, &mut backend, Method::Map, 1);
+        let mut batch = Batch::new(model, &mut backend, Integrator::Map, 1);
         batch.replicate(0, Work { spp: 2, photons: 1 << 16 }, &mut |_| true).unwrap()
     };
     let before = film(adapter.clone(), &first);

@@ -8,7 +8,7 @@ use tirtouch::trace::cpu::Limits;
 use tirtouch::trace::gpu::GpuTracer;
 use tirtouch::trace::model::Real;
 use tirtouch::trace::render::accepted;
-use tirtouch::trace::{Backend, Method, Model, TraceError};
+use tirtouch::trace::{Backend, Integrator, Model, TraceError};
 
 const PIXELS: [u32; 2] = [24, 18];
 const WORK: Work = Work { spp: 8, photons: 1 << 14 };
@@ -23,9 +23,9 @@ fn backends(model: &Model<f64>, limits: Limits) -> impl Iterator<Item = Backend>
     gpu.into_iter().chain([Backend::Cpu32(twin(model, limits)), Backend::Cpu64(twin(model, limits))])
 }
 
-/// Camera paths alone of a scene by a method. Its photons are taken out of the sums: they have counts of their own.
-fn camera_paths(model: &Model<f64>, method: Method, backend: &mut Backend) -> Totals {
-    let mut batch = Batch::new(model, backend, method, 1);
+/// Camera paths alone of a scene by an integrator. Its photons are taken out of the sums: they have their own counts.
+fn camera_paths(model: &Model<f64>, integrator: Integrator, backend: &mut Backend) -> Totals {
+    let mut batch = Batch::new(model, backend, integrator, 1);
     batch.replicate(0, WORK, &mut |_| true).unwrap();
     Totals { photons: 0, tally: [0; _], ..batch.totals }
 }
@@ -34,11 +34,12 @@ fn camera_paths(model: &Model<f64>, method: Method, backend: &mut Backend) -> To
 fn an_image_whose_camera_paths_got_lost_is_refused() {
     // Two steps of the search on a height field are too few for most rays.
     let lossy = Limits { search_steps: 2, ..Limits::default() };
-    for (name, method) in [("gaussian-dent", Method::Path), ("height-map", Method::Path), ("dent-contact", Method::Map)]
+    for (name, integrator) in
+        [("gaussian-dent", Integrator::Path), ("height-map", Integrator::Path), ("dent-contact", Integrator::Map)]
     {
         let model = Case::named(name).model(PIXELS);
         for mut backend in backends(&model, lossy) {
-            let totals = camera_paths(&model, method, &mut backend);
+            let totals = camera_paths(&model, integrator, &mut backend);
             let lost = totals.fates.lost;
             println!("{name}, {}: {lost} of {} camera paths lost", backend.name(), totals.paths);
             assert!(lost > totals.paths / 100 && lost < totals.paths, "{name}, {}: {lost}", backend.name());
@@ -54,16 +55,16 @@ fn an_image_whose_camera_paths_got_lost_is_refused() {
 #[test]
 fn an_image_whose_camera_paths_were_cut_off_is_refused() {
     let short = Limits { event_cap: 4, ..Limits::default() };
-    for (name, method) in
-        [("flat-bonded", Method::Path), ("contact-disc", Method::Map), ("contact-disc", Method::Splat)]
+    for (name, integrator) in
+        [("flat-bonded", Integrator::Path), ("contact-disc", Integrator::Map), ("contact-disc", Integrator::Splat)]
     {
         let model = Case::named(name).model(PIXELS);
         let mut shares = Vec::new();
         for mut backend in backends(&model, short) {
-            let totals = camera_paths(&model, method, &mut backend);
+            let totals = camera_paths(&model, integrator, &mut backend);
             let share = totals.paths_cut_off();
-            println!("{name} by {}, {}: {share:.4} of the weight cut off", method.name(), backend.name());
-            assert!((1e-3..1.0).contains(&share), "{name} by {}, {}: {share}", method.name(), backend.name());
+            println!("{name} by {}, {}: {share:.4} of the weight cut off", integrator.name(), backend.name());
+            assert!((1e-3..1.0).contains(&share), "{name} by {}, {}: {share}", integrator.name(), backend.name());
             let found = accepted(&totals);
             assert!(matches!(found, Err(TraceError::Truncated { share: s, .. }) if s == share), "{found:?}");
             shares.push(share);
@@ -75,10 +76,10 @@ fn an_image_whose_camera_paths_were_cut_off_is_refused() {
 
 #[test]
 fn no_camera_path_of_an_accepted_image_is_lost_or_cut_off() {
-    for (name, method) in [("gaussian-dent", Method::Path), ("mirror-walls", Method::Map)] {
+    for (name, integrator) in [("gaussian-dent", Integrator::Path), ("mirror-walls", Integrator::Map)] {
         let model = Case::named(name).model(PIXELS);
         for mut backend in backends(&model, Limits::default()) {
-            let totals = camera_paths(&model, method, &mut backend);
+            let totals = camera_paths(&model, integrator, &mut backend);
             assert_eq!((totals.fates.lost, totals.fates.cut_off), (0, 0), "{name}, {}", backend.name());
             assert!(totals.fates.segments > totals.paths && accepted(&totals).is_ok());
         }

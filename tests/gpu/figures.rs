@@ -10,7 +10,7 @@ use tirtouch::scene::LoadedScene;
 use tirtouch::trace::Model;
 use tirtouch::trace::backend::{Backend, CpuTracer};
 use tirtouch::trace::batch::Work;
-use tirtouch::trace::plan::Method;
+use tirtouch::trace::plan::Integrator;
 
 const SEEDS: u32 = 100;
 
@@ -50,7 +50,9 @@ fn intervals_hold_the_mean_over_seeds_and_noise_is_told() {
     let (loaded, model) = few_pixels();
     let work = Work { spp: 1, photons: 1 << 11 };
     let films: Vec<Film> = (0..SEEDS)
-        .map(|seed| film(Backend::Cpu32(Box::new(CpuTracer::new(model.cast()))), &model, Method::Splat, seed + 1, work))
+        .map(|seed| {
+            film(Backend::Cpu32(Box::new(CpuTracer::new(model.cast()))), &model, Integrator::Splat, seed + 1, work)
+        })
         .collect();
     let raw: Vec<PaperEstimate> = films.iter().zip(0..).map(|(film, seed)| read(&loaded, (film, seed), None)).collect();
     let figures: [fn(&PaperEstimate) -> Value; 5] = [

@@ -3,12 +3,12 @@
 use crate::adapter::require_gpu;
 use crate::scenes::{Case, at_once, presets, variants};
 use tirtouch::film::{BlockAccumulator, Comparison, Film, compare};
-use tirtouch::scene::Integrator;
+use tirtouch::scene::IntegratorChoice;
 use tirtouch::trace::backend::CpuTracer;
 use tirtouch::trace::batch::{Batch, Work};
 use tirtouch::trace::exitance::TouchedFace;
 use tirtouch::trace::gpu::GpuTracer;
-use tirtouch::trace::plan::Method;
+use tirtouch::trace::plan::Integrator;
 use tirtouch::trace::render::REPLICATES;
 use tirtouch::trace::{Backend, Kernel, Model, Plan};
 
@@ -24,11 +24,11 @@ pub fn f64_twin(model: &Model<f64>) -> Backend {
 }
 
 /// A film of 16 replicates of `work` each; no pilot and no ledger, which `render` adds.
-pub fn film(mut backend: Backend, model: &Model<f64>, method: Method, seed: u32, work: Work) -> Film {
+pub fn film(mut backend: Backend, model: &Model<f64>, integrator: Integrator, seed: u32, work: Work) -> Film {
     let [columns, rows] = model.camera.size;
     let mut sum = BlockAccumulator::new(columns, rows);
-    let mut batch = Batch::new(model, &mut backend, method, seed);
-    let maps = if method == Method::Map { smoothed_maps(&mut batch, work) } else { Vec::new() };
+    let mut batch = Batch::new(model, &mut backend, integrator, seed);
+    let maps = if integrator == Integrator::Map { smoothed_maps(&mut batch, work) } else { Vec::new() };
     for index in 0..REPLICATES {
         let replicate = match maps.get(index as usize) {
             Some(texels) => batch.mapped(index, work, texels, &mut |_| true),
@@ -55,13 +55,13 @@ pub fn failed(found: &Comparison) -> String {
     format!("ratio {:?}, {failed:?}", found.ratio)
 }
 
-fn against_f64(case: &Case, twin: &Case, method: Method, level: f64) -> Option<Comparison> {
+fn against_f64(case: &Case, twin: &Case, integrator: Integrator, level: f64) -> Option<Comparison> {
     let adapter = require_gpu()?;
     let size = [48, 36];
     let work = Work { spp: 1, photons: 1 << 12 };
     let (model, reference) = (case.model(size), twin.model(size));
-    let a = film(gpu(adapter, &model), &model, method, 1, work);
-    let b = film(f64_twin(&reference), &reference, method, 2, work);
+    let a = film(gpu(adapter, &model), &model, integrator, 1, work);
+    let b = film(f64_twin(&reference), &reference, integrator, 2, work);
     Some(compare(&a, &b, level).unwrap())
 }
 
@@ -72,20 +72,20 @@ const STORED: [&str; 5] = ["tsis-paper", "tsis-literature", "dent-cap", "rough",
 fn gpu_films_agree_with_those_of_the_twin_in_f64() {
     let all = presets().into_iter().chain(variants());
     let cases: Vec<Case> = all.filter(|case| !STORED.contains(&case.name.as_str())).collect();
-    let mut jobs: Vec<(&Case, Method)> = Vec::new();
+    let mut jobs: Vec<(&Case, Integrator)> = Vec::new();
     for case in &cases {
         let kernel = Kernel::of(&case.model([4, 3]));
-        jobs.push((case, Plan::choose(Integrator::Auto, &kernel).unwrap().method));
-        if Plan::choose(Integrator::Splat, &kernel).is_ok() {
-            jobs.push((case, Method::Splat));
+        jobs.push((case, Plan::choose(IntegratorChoice::Auto, &kernel).unwrap().integrator));
+        if Plan::choose(IntegratorChoice::Splat, &kernel).is_ok() {
+            jobs.push((case, Integrator::Splat));
         }
     }
     let level = LEVEL / jobs.len() as f64;
-    let found = at_once(&jobs, |(case, method)| against_f64(case, case, *method, level));
-    for ((case, method), found) in jobs.iter().zip(found) {
+    let found = at_once(&jobs, |(case, integrator)| against_f64(case, case, *integrator, level));
+    for ((case, integrator), found) in jobs.iter().zip(found) {
         let Some(found) = found else { return };
-        println!("{} by {}: ratio {:?}", case.name, method.name(), found.ratio);
-        assert!(found.passed, "{} by {}: {}", case.name, method.name(), failed(&found));
+        println!("{} by {}: ratio {:?}", case.name, integrator.name(), found.ratio);
+        assert!(found.passed, "{} by {}: {}", case.name, integrator.name(), failed(&found));
     }
 }
 
@@ -95,8 +95,8 @@ fn tissue_a_tenth_brighter_is_found() {
     if let Some(contact) = &mut brighter.loaded.scene.touch.contact {
         contact.tissue.diffuse_reflectance = Some(0.55);
     }
-    for method in [Method::Map, Method::Splat] {
-        let Some(found) = against_f64(&brighter, &case, method, LEVEL) else { return };
-        assert!(!found.passed, "{}: {:?}", method.name(), found.ratio);
+    for integrator in [Integrator::Map, Integrator::Splat] {
+        let Some(found) = against_f64(&brighter, &case, integrator, LEVEL) else { return };
+        assert!(!found.passed, "{}: {:?}", integrator.name(), found.ratio);
     }
 }

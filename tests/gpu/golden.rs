@@ -13,11 +13,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tirtouch::film::{Comparison, Film, compare};
 use tirtouch::image_io::{Provenance, read_radiance, write_radiance};
-use tirtouch::scene::{Integrator, LoadedScene, Scene, load};
+use tirtouch::scene::{IntegratorChoice, LoadedScene, Scene, load};
 use tirtouch::trace::backend::CpuTracer;
 use tirtouch::trace::batch::Work;
 use tirtouch::trace::gpu::{Gpu, GpuTracer};
-use tirtouch::trace::plan::Method;
+use tirtouch::trace::plan::Integrator;
 use tirtouch::trace::render::REPLICATES;
 use tirtouch::trace::{Backend, Kernel, Model, Plan};
 
@@ -34,7 +34,7 @@ struct Golden {
     shows: &'static str,
     /// Camera paths per pixel of the stored image.
     spp: u32,
-    /// Camera paths per pixel, and photons where the method sends them, of the fresh image.
+    /// Camera paths per pixel, and photons where the integrator sends them, of the fresh image.
     fresh: Work,
 }
 
@@ -116,9 +116,10 @@ impl Golden {
     fn fresh(&self, loaded: &LoadedScene, open: impl FnOnce(&Model<f64>) -> Backend) -> Film {
         let model = model(loaded);
         let kernel = Kernel::of(&model);
-        let plan = [Integrator::Splat, Integrator::Map, Integrator::Path].map(|asked| Plan::choose(asked, &kernel));
-        let method = plan.into_iter().flatten().next().unwrap().method;
-        film(open(&model), &model, method, SEEDS[1], self.fresh)
+        let plan = [IntegratorChoice::Splat, IntegratorChoice::Map, IntegratorChoice::Path]
+            .map(|asked| Plan::choose(asked, &kernel));
+        let integrator = plan.into_iter().flatten().next().unwrap().integrator;
+        film(open(&model), &model, integrator, SEEDS[1], self.fresh)
     }
 
     fn regenerate(&self) {
@@ -126,7 +127,7 @@ impl Golden {
         let model = model(&loaded);
         let start = std::time::Instant::now();
         let backend = Backend::Cpu64(Box::new(CpuTracer::new(model.clone())));
-        let film = film(backend, &model, Method::Path, SEEDS[0], work(self.spp, 0));
+        let film = film(backend, &model, Integrator::Path, SEEDS[0], work(self.spp, 0));
         let seconds = start.elapsed().as_secs_f64();
         let provenance = Provenance {
             unit: "W/(m^2 sr)".into(),

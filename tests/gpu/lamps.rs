@@ -8,7 +8,7 @@ use tirtouch::scene::{LoadedScene, Pattern};
 use tirtouch::trace::backend::CpuTracer;
 use tirtouch::trace::batch::{Batch, Work};
 use tirtouch::trace::gpu::GpuTracer;
-use tirtouch::trace::plan::Method;
+use tirtouch::trace::plan::Integrator;
 use tirtouch::trace::{Backend, Devices, Model, Precision, TraceError};
 
 const WORK: Work = Work { spp: 4, photons: 1 << 14 };
@@ -33,10 +33,11 @@ fn backends(model: &Model<f64>) -> Vec<Backend> {
     std::iter::once(cpu).chain(require_gpu().map(|adapter| gpu(adapter, model))).collect()
 }
 
-/// Films of a lamp by each backend and method.
+/// Films of a lamp by each backend and integrator.
 fn films(model: &Model<f64>) -> Vec<Vec<f32>> {
-    let one = |method| backends(model).into_iter().map(move |backend| film(backend, model, method, 1, WORK).mean);
-    [Method::Map, Method::Path].into_iter().flat_map(one).collect()
+    let one =
+        |integrator| backends(model).into_iter().map(move |backend| film(backend, model, integrator, 1, WORK).mean);
+    [Integrator::Map, Integrator::Path].into_iter().flat_map(one).collect()
 }
 
 #[test]
@@ -97,8 +98,8 @@ fn a_number_that_is_not_finite_is_refused_by_its_name_before_a_kernel_is_made() 
     assert!(Devices::cpu(Precision::F32).load(&good).is_ok());
 }
 
-fn traced(mut backend: Backend, model: &Model<f64>, method: Method) -> Result<Vec<f64>, TraceError> {
-    let mut batch = Batch::new(model, &mut backend, method, 1);
+fn traced(mut backend: Backend, model: &Model<f64>, integrator: Integrator) -> Result<Vec<f64>, TraceError> {
+    let mut batch = Batch::new(model, &mut backend, integrator, 1);
     batch.replicate(0, WORK, &mut |_| true)
 }
 
@@ -113,18 +114,18 @@ fn light_beyond_what_the_sums_hold_is_reported_and_does_not_wrap() {
     if let Some(tissue) = &mut thin.tissue {
         tissue.n = 1e-8;
     }
-    for (model, method, what) in [(&bright, Method::Path, "pixels"), (&thin, Method::Splat, "pixels")] {
+    for (model, integrator, what) in [(&bright, Integrator::Path, "pixels"), (&thin, Integrator::Splat, "pixels")] {
         for backend in backends(model) {
             let name = backend.name();
-            match traced(backend, model, method) {
+            match traced(backend, model, integrator) {
                 Err(TraceError::Overflow { what: found, full, of }) => {
                     assert!(found == what && full > 0 && full <= of, "{name}: {full} of {of} {found}");
                 }
-                other => panic!("{name} by {}: {:?}", method.name(), other.map(|image| image.len())),
+                other => panic!("{name} by {}: {:?}", integrator.name(), other.map(|image| image.len())),
             }
         }
     }
     for backend in backends(&good) {
-        assert!(traced(backend, &good, Method::Splat).is_ok());
+        assert!(traced(backend, &good, Integrator::Splat).is_ok());
     }
 }

@@ -6,6 +6,7 @@ use tirtouch::pipeline::{Order, Session, model_of};
 use tirtouch::scene::{
     self, Inner, Inputs, Lens, LoadedScene, Normals, PRESETS, Pattern, Press, Roughness, Shape, Walls,
 };
+use tirtouch::stability::scenes::dent_obj;
 use tirtouch::trace::{Devices, Model, Precision};
 
 /// A scene by name.
@@ -155,23 +156,6 @@ fn dent_csv() -> String {
     let height = |x: f64, y: f64| -(-(x * x + 2.0 * y * y) / 8.0).exp();
     let row = |j: u32| (0..97).map(|i| height(at(i, 96), at(j, 64)).to_string()).collect::<Vec<_>>().join(",");
     (0..65).map(|j| row(j) + "\n").collect()
-}
-
-/// The touched face of `dent-cap`, 12 mm up, with a dent, as 32 x 32 squares of two triangles.
-fn dent_obj() -> String {
-    const SIDE: usize = 33;
-    let at = |k: usize| -15.0 + 30.0 * k as f64 / (SIDE - 1) as f64;
-    let mut text = String::new();
-    for (j, i) in (0..SIDE * SIDE).map(|k| (k / SIDE, k % SIDE)) {
-        let (x, y) = (at(i), at(j));
-        let z = 12.0 - 1.2 * (-(x * x + y * y) / (2.0 * 3.0 * 3.0)).exp();
-        text.push_str(&format!("v {x} {y} {z}\n"));
-    }
-    for (j, i) in (0..(SIDE - 1) * (SIDE - 1)).map(|k| (k / (SIDE - 1), k % (SIDE - 1))) {
-        let a = j * SIDE + i + 1;
-        text.push_str(&format!("f {a} {} {}\nf {a} {} {}\n", a + 1, a + SIDE + 1, a + SIDE + 1, a + SIDE));
-    }
-    text
 }
 
 /// A narrow beam, wider across than up.

@@ -11,7 +11,7 @@ use crate::rounding::{Rounded, reseed};
 use crate::scenes::{Case, at_once, presets, variants};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
-use tirtouch::scene::{Integrator, Walls};
+use tirtouch::scene::{IntegratorChoice, Walls};
 use tirtouch::trace::constants::{EVENT_END, EVENTS};
 use tirtouch::trace::cpu::camera::View;
 use tirtouch::trace::cpu::photons::Deposits;
@@ -48,9 +48,11 @@ enum Kind {
 /// The kinds of paths that a scene's methods send.
 fn kinds(model: &Model<f64>) -> Vec<Kind> {
     let kernel = Kernel::of(model);
-    let methods = [Integrator::Path, Integrator::Map, Integrator::Splat];
+    let methods = [IntegratorChoice::Path, IntegratorChoice::Map, IntegratorChoice::Splat];
     let allowed = methods.into_iter().filter_map(|asked| Plan::choose(asked, &kernel).ok());
-    allowed.flat_map(|plan| [Kind::Camera(plan.method.modes().0), Kind::Photon(plan.method.modes().1)]).collect()
+    allowed
+        .flat_map(|plan| [Kind::Camera(plan.integrator.modes().0), Kind::Photon(plan.integrator.modes().1)])
+        .collect()
 }
 
 /// A history as the GPU keeps it. Events after the end (the LED that a camera path found) follow uncounted.

@@ -3,13 +3,13 @@
 use crate::beams::{lambertian, scattering};
 use crate::bench;
 use tirtouch::film::{self, Film};
-use tirtouch::scene::{Integrator, Led, LoadedScene, Pattern, Pressure, Roughness, Tissue};
+use tirtouch::scene::{IntegratorChoice, Led, LoadedScene, Pattern, Pressure, Roughness, Tissue};
 use tirtouch::trace::{Devices, Model, Precision, Settings, render};
 
 /// Chance of a false alarm, over all levels of blocks together: as four standard errors.
 const LEVEL: f64 = 6.334e-5;
 
-fn film(model: &Model<f64>, integrator: Integrator, spp: u32, photons: u64, seed: u32) -> Film {
+fn film(model: &Model<f64>, integrator: IntegratorChoice, spp: u32, photons: u64, seed: u32) -> Film {
     let settings = Settings { integrator, spp, photons: Some(photons), seconds: None, target_error: None, seed };
     let outcome = render(&bench::devices(), model, &settings, &mut |_| true).unwrap();
     println!("{integrator:?}: {:.2} s, mean {:.6e}", outcome.seconds, outcome.mean_radiance);
@@ -64,9 +64,9 @@ fn bright(preset: &str) -> LoadedScene {
 fn all_agree(fault: f32, times: u32, model: &Model<f64>) -> Film {
     // Splats are the noisiest: with 32, 2 % are 7 standard errors or more in each pair.
     let photons = u64::from(times) << 16;
-    let path = film(model, Integrator::Path, 32 * times, 1 << 18, 1);
-    let splat = film(model, Integrator::Splat, 2 * times, 2 * photons, 2);
-    let map = film(model, Integrator::Map, times, photons, 3);
+    let path = film(model, IntegratorChoice::Path, 32 * times, 1 << 18, 1);
+    let splat = film(model, IntegratorChoice::Splat, 2 * times, 2 * photons, 2);
+    let map = film(model, IntegratorChoice::Map, times, photons, 3);
     agree_within(fault, "path and splat", &path, &splat);
     agree_within(fault, "path and map", &path, &map);
     agree_within(fault, "splat and map", &splat, &map);
@@ -80,7 +80,7 @@ fn paths_splats_and_map_agree_on_a_disc_of_contact_and_see_an_albedo_off_by_4_pe
     if let Some(contact) = &mut loaded.scene.touch.contact {
         contact.tissue.diffuse_reflectance = Some(0.52);
     }
-    let other = film(&bench::model(&loaded), Integrator::Map, 32, 1 << 21, 4);
+    let other = film(&bench::model(&loaded), IntegratorChoice::Map, 32, 1 << 21, 4);
     assert!(!agree("another albedo", &splat, &other));
 }
 
@@ -96,16 +96,16 @@ fn paths_splats_and_map_agree_on_tissue_given_by_coefficients_and_see_a_lamberti
     let splat = all_agree(0.03, 16, &bench::model(&loaded));
     // As much light in all, but alike in all directions.
     set(&mut loaded, Tissue { n: 1.38, ..lambertian(0.7955) });
-    let even = film(&bench::model(&loaded), Integrator::Map, 32, 1 << 21, 4);
+    let even = film(&bench::model(&loaded), IntegratorChoice::Map, 32, 1 << 21, 4);
     assert!(!agree("Lambertian", &splat, &even));
 }
 
 #[test]
 fn paths_splats_and_map_agree_on_a_press_with_partial_contact_and_spread() {
     let model = bench::model(&bright("press-hertz"));
-    let path = film(&model, Integrator::Path, 960, 1 << 18, 1);
-    let splat = film(&model, Integrator::Splat, 48, 3 << 20, 2);
-    let map = film(&model, Integrator::Map, 24, 3 << 19, 3);
+    let path = film(&model, IntegratorChoice::Path, 960, 1 << 18, 1);
+    let splat = film(&model, IntegratorChoice::Splat, 48, 3 << 20, 2);
+    let map = film(&model, IntegratorChoice::Map, 24, 3 << 19, 3);
     // Light trapped between clear walls makes long paths: 6 s of them see 4 %.
     agree_within(0.04, "path and splat", &path, &splat);
     agree_within(0.04, "path and map", &path, &map);
@@ -120,8 +120,8 @@ fn photons_leave_leds_of_every_pattern_as_paths_find_them() {
         led.cutoff_half_angle_deg = Some(60.0 + 3.0 * k as f64);
     }
     let model = bench::model(&loaded);
-    let path = film(&model, Integrator::Path, 512, 1 << 18, 7);
-    let map = film(&model, Integrator::Map, 24, 3 << 19, 8);
+    let path = film(&model, IntegratorChoice::Path, 512, 1 << 18, 7);
+    let map = film(&model, IntegratorChoice::Map, 24, 3 << 19, 8);
     agree_within(0.03, "cosine powers", &path, &map);
 }
 
@@ -132,8 +132,8 @@ fn paths_and_photons_agree_through_microfacets() {
     loaded.scene.stack.layer[0].upper_roughness = rough;
     loaded.scene.stack.lower_roughness = rough;
     let model = bench::model(&loaded);
-    let path = film(&model, Integrator::Path, 160, 1 << 18, 9);
-    let map = film(&model, Integrator::Map, 80, 5 << 19, 10);
+    let path = film(&model, IntegratorChoice::Path, 160, 1 << 18, 9);
+    let map = film(&model, IntegratorChoice::Map, 80, 5 << 19, 10);
     agree_within(0.04, "microfacets", &path, &map);
 }
 
@@ -146,9 +146,9 @@ fn paths_that_weigh_what_the_outer_faces_mirror_find_what_paths_that_draw_it_fin
     }
     for preset in ["flat-bonded", "dent-cap"] {
         let mut loaded = bright(preset);
-        let weighed = film(&bench::model(&loaded), Integrator::Path, 192, 1 << 18, 12);
+        let weighed = film(&bench::model(&loaded), IntegratorChoice::Path, 192, 1 << 18, 12);
         loaded.scene.touch.contact = speck.clone();
-        let drawn = film(&bench::model(&loaded), Integrator::Path, 1536, 1 << 18, 13);
+        let drawn = film(&bench::model(&loaded), IntegratorChoice::Path, 1536, 1 << 18, 13);
         agree_within(0.04, preset, &weighed, &drawn);
     }
 }
@@ -161,7 +161,7 @@ fn an_image_of_few_pixels_and_many_samples_loses_no_light_on_the_gpu() {
     let model = bench::model(&loaded);
     let mean = |devices| {
         let settings = Settings {
-            integrator: Integrator::Path,
+            integrator: IntegratorChoice::Path,
             spp: 1 << 17,
             photons: Some(1 << 14),
             seconds: None,

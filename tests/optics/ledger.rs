@@ -4,7 +4,7 @@ use crate::bench::{self, close};
 use rayon::prelude::*;
 use tirtouch::optics::reflectance;
 use tirtouch::scene::{self, Mount};
-use tirtouch::trace::Method;
+use tirtouch::trace::Integrator;
 use tirtouch::trace::batch::Batch;
 use tirtouch::trace::cpu::book;
 use tirtouch::trace::modes::{CameraMode, PhotonMode};
@@ -24,7 +24,7 @@ fn emitted_light_is_accounted_for_to_1e_6_on_every_preset() {
         loaded.scene.camera.pixels = [8, 8];
         let model = bench::model(&loaded);
         for mut backend in bench::backends(&model) {
-            let mut batch = Batch::new(&model, &mut backend, Method::Path, 1);
+            let mut batch = Batch::new(&model, &mut backend, Integrator::Path, 1);
             batch.ledger(1 << 16, &mut |_| true).unwrap();
             let ledger = batch.totals.ledger();
             assert_eq!(batch.totals.lost(), 0, "{name}");

@@ -2,7 +2,7 @@
 
 use crate::bench;
 use tirtouch::scene::{Lens, ViewAxis};
-use tirtouch::trace::{Method, Settings, render};
+use tirtouch::trace::{Integrator, Settings, render};
 
 /// Width of the image of a contact disc's edge along the middle row, from a quarter to three quarters of its height,
 /// pixels of 1/96 of the image.
@@ -16,7 +16,7 @@ fn edge_width(lens: Lens) -> f64 {
     (camera.pixels, camera.pixel_pitch_um) = ([columns, 1], 67.43 * 96.0 / f64::from(columns));
     camera.sensor.f_number = 2.0;
     let settings = Settings {
-        integrator: tirtouch::scene::Integrator::Map,
+        integrator: tirtouch::scene::IntegratorChoice::Map,
         spp: 512,
         photons: Some(1 << 21),
         seconds: None,
@@ -24,7 +24,7 @@ fn edge_width(lens: Lens) -> f64 {
         seed: 5,
     };
     let outcome = render(&bench::devices(), &bench::model(&loaded), &settings, &mut |_| true).unwrap();
-    assert_eq!(outcome.plan.method, Method::Map);
+    assert_eq!(outcome.plan.integrator, Integrator::Map);
     let row = &outcome.film.mean;
     // The quarter from a fourth to the middle holds the disc's left edge; further out the LEDs' own reflection is seen.
     let quarter = &row[columns as usize / 4..columns as usize / 2];

@@ -15,7 +15,7 @@ mod scan;
 mod shape;
 mod stack;
 
-use super::{Integrator, PressedSensor, ScanScene, Scene, Shape};
+use super::{IntegratorChoice, PressedSensor, ScanScene, Scene, Shape};
 use bounds::{POSITIVE, number, whole};
 
 /// A rule that a scene breaks.
@@ -103,13 +103,13 @@ fn render(scene: &Scene) -> Result<(), Invalid> {
 /// The method `splat` needs what the scene must not have.
 fn splat(scene: &Scene) -> Result<(), Invalid> {
     let render = &scene.render;
-    if render.integrator == Integrator::Splat && scene.touch.shape != Shape::Flat {
+    if render.integrator == IntegratorChoice::Splat && scene.touch.shape != Shape::Flat {
         return Err(Invalid::new(
             "render.integrator",
             "splat needs a flat stack and touch.shape deforms it; use \"auto\", \"path\" or \"map\"",
         ));
     }
-    if render.integrator == Integrator::Splat
+    if render.integrator == IntegratorChoice::Splat
         && scene.press.as_ref().is_some_and(|press| press.sensor == PressedSensor::Deformable)
     {
         return Err(Invalid::new(

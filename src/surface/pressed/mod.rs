@@ -6,7 +6,7 @@
 mod face;
 mod sheet;
 
-use super::{ContactMap, HeightField, Profile, Surface, SurfaceError};
+use super::{ContactMap, HeightField, Profile, Surface, SurfaceError, TissueDisc};
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::mesh::Footprint;
 use crate::mechanics::press::{ContactPoint, PressStep, Pressed, SensorBody};
@@ -61,10 +61,9 @@ pub fn pressed_contact(loaded: &LoadedScene, pressed: &Pressed, step: &PressStep
         rows,
         share: pressures.iter().map(|&p| contact.law.share(p)).collect(),
         uniform: 0.0,
-        center_mm: [0.0; 2],
-        radius_mm: match pressed.setup.phantom.footprint {
-            Footprint::Round { radius_mm } => radius_mm,
-            Footprint::Rectangle { .. } => f64::INFINITY,
+        disc: match pressed.setup.phantom.footprint {
+            Footprint::Round { radius_mm } => Some(TissueDisc { center_mm: [0.0; 2], radius_mm }),
+            Footprint::Rectangle { .. } => None,
         },
     })
 }

@@ -24,10 +24,7 @@ impl<'m, T: Real> Path<'m, T> {
 
     /// Whether there is tissue above a point.
     pub fn tissue_here(&self, x: T, y: T) -> bool {
-        self.tissue().is_some_and(|t| {
-            let (dx, dy) = (x - t.center[0], y - t.center[1]);
-            dx * dx + dy * dy <= t.radius_sq
-        })
+        self.tissue().is_some_and(|t| t.disc.is_none_or(|disc| disc.holds(x, y)))
     }
 
     /// Share of true contact at a point.

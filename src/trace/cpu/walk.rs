@@ -131,12 +131,12 @@ impl<T: Real> Path<'_, T> {
 
     /// No tissue here, and none ahead, seen from above.
     pub(in crate::trace) fn astray(&self) -> bool {
-        let Some(tissue) = self.model.tissue.as_ref() else {
+        let Some(disc) = self.model.tissue.as_ref().and_then(|tissue| tissue.disc) else {
             return false;
         };
-        let (x, y) = (self.o.x - tissue.center[0], self.o.y - tissue.center[1]);
+        let (x, y) = (self.o.x - disc.center[0], self.o.y - disc.center[1]);
         let along = x * self.p.x + y * self.p.y;
-        let beyond = x * x + y * y - tissue.radius_sq;
+        let beyond = x * x + y * y - disc.radius_sq;
         let far = along * along < beyond * (self.p.x * self.p.x + self.p.y * self.p.y);
         beyond > T::zero() && (along >= T::zero() || far)
     }

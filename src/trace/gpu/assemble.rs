@@ -181,7 +181,7 @@ pub fn constants(kernel: &Kernel, entry: Entry, limits: Limits) -> Vec<(&'static
         ("COSINE_POWER", kernel.cosine_power),
     ];
     if kernel.touched {
-        constants.push(("SHARE_GRID", kernel.share_grid));
+        constants.extend([("SHARE_GRID", kernel.share_grid), ("TISSUE_DISC", kernel.tissue_disc)]);
     }
     match entry {
         Entry::Camera(mode) => {

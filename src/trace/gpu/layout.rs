@@ -159,8 +159,9 @@ pub fn scene(m: &Model<f32>) -> Scene {
     };
     if let Some(t) = &m.tissue {
         out.tissue_n = t.n;
-        out.tissue_center = t.center;
-        out.tissue_radius_sq = t.radius_sq;
+        if let Some(disc) = t.disc {
+            (out.tissue_center, out.tissue_radius_sq) = (disc.center, disc.radius_sq);
+        }
         out.spread_d = t.spread_d;
         out.share_size = size(t.grid_size);
         out.share = t.share;

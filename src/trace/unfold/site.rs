@@ -29,11 +29,10 @@ pub struct Site {
 impl Site {
     /// The site of a model, if unfolding suits it at all.
     pub fn of(model: &Model<f64>) -> Option<Self> {
-        let tissue = model.tissue.as_ref()?;
-        let radius = tissue.radius_sq.sqrt();
-        let edge = |side: f64| {
-            [0, 1].map(|k| (tissue.center[k] + side * radius).clamp(-model.half_size[k], model.half_size[k]))
-        };
+        let disc = model.tissue.as_ref()?.disc?;
+        let radius = disc.radius_sq.sqrt();
+        let edge =
+            |side: f64| [0, 1].map(|k| (disc.center[k] + side * radius).clamp(-model.half_size[k], model.half_size[k]));
         let (low, high) = (edge(-1.0), edge(1.0));
         // The least and largest distance, the least height above an LED and the least radius of one.
         let (mut near, mut far, mut below, mut least) = (f64::INFINITY, 0.0f64, f64::INFINITY, f64::INFINITY);
@@ -50,7 +49,7 @@ impl Site {
         let steps = ((far - near) / (STEP * near.max(below)).max(f64::MIN_POSITIVE)).ceil().clamp(16.0, 1e6) as usize;
         let scale = least.min(near.max(below)).min(THICKNESS * model.faces[model.faces.len() - 1].z);
         let across = (extent / (SPACING * scale).max(f64::MIN_POSITIVE)).ceil().clamp(LEAST_ACROSS, 1e4) as usize;
-        let suits = radius < 1e15 && near >= 0.0 && near < far && model.leds.iter().all(|led| !led.air);
+        let suits = near >= 0.0 && near < far && model.leds.iter().all(|led| !led.air);
         suits.then_some(Self { low, high, near, far, across, steps })
     }
 

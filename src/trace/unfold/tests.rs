@@ -5,7 +5,7 @@
 use super::*;
 use crate::film::mean_interval;
 use crate::scene::{LoadedScene, Pattern};
-use crate::surface::{ContactMap, Surface, contact_map};
+use crate::surface::{ContactMap, Surface, TissueDisc, contact_map};
 use crate::trace::cpu::Limits;
 use crate::trace::cpu::photons::{DEPOSIT_UNIT, Deposits, send};
 use crate::trace::exitance::tissue_share;
@@ -19,6 +19,10 @@ const SAMPLES: u32 = 16;
 
 fn model(loaded: &LoadedScene, map: impl Fn(ContactMap) -> ContactMap) -> Model<f64> {
     Model::new(loaded, &Surface::Flat, contact_map(loaded).unwrap().map(map)).unwrap()
+}
+
+fn on_a_disc(map: ContactMap, center_mm: [f64; 2], radius_mm: f64) -> ContactMap {
+    ContactMap { disc: Some(TissueDisc { center_mm, radius_mm }), ..map }
 }
 
 /// A stack half as thick, absorbing, under tissue of another index that is partly in contact, lit by unlike LEDs.
@@ -37,7 +41,7 @@ fn awkward() -> Model<f64> {
     scene.led[1].pattern = Pattern::CosinePower { half_power_deg: 40.0 };
     scene.led[2].cutoff_half_angle_deg = Some(50.0);
     scene.touch.contact.as_mut().unwrap().tissue.n = 1.37;
-    model(&loaded, |map| ContactMap { center_mm: [2.0, -3.0], radius_mm: 5.0, uniform: 0.4, ..map })
+    model(&loaded, |map| ContactMap { uniform: 0.4, ..on_a_disc(map, [2.0, -3.0], 5.0) })
 }
 
 /// Tissue given by coefficients, partly in contact.
@@ -55,7 +59,7 @@ fn thin() -> Model<f64> {
     let scene = &mut loaded.scene;
     scene.stack.layer.iter_mut().for_each(|layer| layer.thickness_mm *= 0.25);
     scene.led.iter_mut().for_each(|led| (led.height_mm, led.diameter_mm) = (1.5, 1.5));
-    model(&loaded, |map| ContactMap { radius_mm: 5.0, uniform: 0.4, ..map })
+    model(&loaded, |map| ContactMap { uniform: 0.4, ..on_a_disc(map, [0.0; 2], 5.0) })
 }
 
 /// Light of photons in eighths of the map along y, through true contact and through the gap, film units times mm^2.
@@ -164,7 +168,7 @@ fn leds_up_to_the_touched_face_shine_too() {
 fn points_and_tables_are_finer_than_what_they_hold() {
     let mut wide = crate::scene::preset("contact-disc").unwrap();
     wide.scene.led.iter_mut().for_each(|led| led.height_mm = 8.5);
-    let wide = model(&wide, |map| ContactMap { radius_mm: 12.0, ..map });
+    let wide = model(&wide, |map| on_a_disc(map, [0.0; 2], 12.0));
     for model in [model(&crate::scene::preset("contact-disc").unwrap(), |map| map), awkward(), thin(), wide] {
         let site = Site::of(&model).unwrap();
         let light = direct_light(&model, model.unfolded, [0.3, 0.6]);
