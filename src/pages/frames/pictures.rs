@@ -4,6 +4,7 @@ use super::{Computed, Reading};
 use crate::estimate::tissue::Fitted;
 use crate::figure::Figure;
 use crate::mechanics::frames::Features;
+use crate::mechanics::press::element_pressure;
 use crate::pages::PageError;
 use crate::pages::facts::figure;
 use crate::report::{
@@ -125,7 +126,7 @@ fn pressed(name: &str, computed: &Computed) -> Result<String, PageError> {
     let (setup, shown) = (&computed.setup, &computed.scanned.shown);
     let half = setup.places_mm.last().copied().unwrap_or(1.0);
     let indenter = setup.indenter_mesh(shown.position_mm, half, 0.1 * half);
-    let (values, none) = (shown.pressure_kpa(), vec![0.0; indenter.element_count()]);
+    let (values, none) = (element_pressure(&shown.problem, &shown.state), vec![0.0; indenter.element_count()]);
     let lowest = indenter.bounding_box()[0][1];
     let top = setup.tissue.shape.height_mm() - setup.depth_mm;
     let picture = MeshPicture {
@@ -133,7 +134,7 @@ fn pressed(name: &str, computed: &Computed) -> Result<String, PageError> {
         subtitle: &format!("indenter at {} mm, {} mm deep", figure(shown.position_mm), figure(setup.depth_mm)),
         bodies: vec![
             MeshBody {
-                mesh: &shown.mesh,
+                mesh: &shown.problem.mesh,
                 displacement_mm: &shown.state.displacement,
                 values: MeshValues::ElementNode(&values),
             },

@@ -1,13 +1,13 @@
 //! Where frames come from, and what the solver says of them.
 
-use crate::mechanics::frames::scan::{ScanError, ScanSettings, ScanSetup, Scanned, scan};
+use crate::mechanics::frames::scan::{ScanError, ScanSettings, ScanSetup, Scanned, Shown, scan};
 use crate::mechanics::frames::{Features, Frames, FramesError, Reference, Settings, features};
 use crate::mechanics::press::PressError;
 use crate::pages::PageError;
 use crate::pages::facts::{figure, scene_rows, version};
+use crate::pages::press_vtu::Solved;
 use crate::pipeline::Truth;
 use crate::progress::Stage;
-use crate::report::{Values, Vtu, VtuError};
 use crate::scene::LoadedScan;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -180,18 +180,8 @@ impl Computed {
     /// # Errors
     /// A state that does not fit its mesh.
     pub fn vtu(&self) -> Result<Vec<u8>, PageError> {
-        let vtu = self.deformed().map_err(|error| PageError::Vtu { file: "deformed.vtu".into(), error })?;
-        Ok(vtu.to_bytes())
-    }
-
-    fn deformed(&self) -> Result<Vtu, VtuError> {
-        let shown = &self.scanned.shown;
-        let mut vtu = Vtu::of_bodies(&[&shown.mesh], 0.0)?;
-        vtu.point_vectors("displacement_mm", &shown.state.displacement)?;
-        let size = shown.mesh.element_size();
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / size as f64;
-        let pressure = shown.pressure_kpa().chunks(size).map(mean).collect();
-        vtu.cell_field("pressure_kpa", 1, Values::Float(pressure))?;
-        Ok(vtu)
+        let Shown { problem, state, points, .. } = &self.scanned.shown;
+        let vtu = Solved { problem, state, points }.vtu();
+        Ok(vtu.map_err(|error| PageError::Vtu { file: "deformed.vtu".into(), error })?.to_bytes())
     }
 }

@@ -237,7 +237,7 @@ fn reduce(pressed: Pressed, position_mm: f64, places_mm: &[f64], keep: bool) -> 
         force_n_per_mm: 1e-3 * points.iter().map(|point| point.force_mn).sum::<f64>(),
         iterations,
         unknowns: problem.unknowns(),
-        shown: keep.then_some(Shown { position_mm, mesh: problem.mesh, state, points }),
+        shown: keep.then_some(Shown { position_mm, problem, state, points }),
     }
 }
 

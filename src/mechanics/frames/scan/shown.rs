@@ -3,16 +3,15 @@
 use super::ScanSetup;
 use crate::mechanics::mesh::Mesh;
 use crate::mechanics::press::ContactPoint;
-use crate::mechanics::problem::State;
-use crate::mechanics::solid::{pressure_frame, pressure_functions};
+use crate::mechanics::problem::{Problem, State};
 
 /// One position, whole.
 #[derive(Debug, Clone)]
 pub struct Shown {
     /// Position of the indenter, mm.
     pub position_mm: f64,
-    /// The undeformed tissue.
-    pub mesh: Mesh,
+    /// The undeformed tissue under the indenter.
+    pub problem: Problem,
     /// Its balance.
     pub state: State,
     /// Nodes of the touched face.
@@ -21,23 +20,6 @@ pub struct Shown {
 
 /// Columns of elements of a drawn indenter.
 const COLUMNS: usize = 48;
-
-impl Shown {
-    /// Pressure within the tissue at the nodes of each element, in their order, kPa, pressing positive.
-    pub fn pressure_kpa(&self) -> Vec<f64> {
-        let size = self.mesh.element_size();
-        let mut values = Vec::with_capacity(size * self.mesh.element_count());
-        for (element, coefficients) in self.mesh.elements.chunks(size).zip(self.state.pressure.chunks(3)) {
-            let nodes: Vec<[f64; 3]> = element.iter().map(|&a| self.mesh.nodes[a as usize]).collect();
-            let frame = pressure_frame(&nodes);
-            values.extend(nodes.iter().map(|&node| {
-                let functions = pressure_functions(2, &frame, node);
-                -coefficients.iter().zip(functions).map(|(c, f)| c * f).sum::<f64>()
-            }));
-        }
-        values
-    }
-}
 
 impl ScanSetup {
     /// The head of the indenter at a position as a mesh to be drawn: out to `half_width_mm`, `thickness_mm` below
