@@ -33,7 +33,7 @@ const MOST_NUMBERS: usize = 1000;
 const MOST_HEAD: usize = 16 << 10;
 const MOST_BODY: usize = 64 << 10;
 /// Time for a request to arrive.
-const PATIENCE: Duration = Duration::from_secs(10);
+const PATIENCE: Duration = Duration::from_secs(3);
 /// Time after which a page that waits for news is told that there are none.
 const NEWS: Duration = Duration::from_secs(20);
 /// Time between two looks whether it is the end.

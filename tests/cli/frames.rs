@@ -54,6 +54,11 @@ fn a_scan_gives_frames_features_and_pictures() {
     expected.extend(PICTURES);
     expected.sort_unstable();
     assert_eq!(names(&folder), expected);
+    let vtu = std::fs::read(folder.join("deformed.vtu")).unwrap();
+    for field in ["contact_pressure_kpa", "contact_shear_kpa", "pressure_kpa", "least_jacobian", "stress_kpa"] {
+        let name = format!("Name=\"{field}\"");
+        assert!(vtu.windows(name.len()).any(|bytes| bytes == name.as_bytes()), "{field}");
+    }
     let report = std::fs::read_to_string(folder.join("report.html")).unwrap();
     assert!(report.contains("What the phantom holds"), "its truth is not there");
     let again = tirtouch_in(place.path(), &["frames", "scan.toml", "-o", "out/scan"]);
