@@ -56,7 +56,10 @@ fn kernel_pieces_follow_the_scene() {
         assert!(list(&pressed, "included").contains(&piece.to_owned()), "{piece}");
         assert!(list(&flat, "left_out").contains(&piece.to_owned()), "{piece}");
     }
-    assert_eq!(list(&flat, "included").len() + list(&flat, "left_out").len(), 18);
+    assert_eq!(list(&flat, "included").len() + list(&flat, "left_out").len(), 19);
+    let edge = "edge of the tissue".to_owned();
+    assert!(list(&pressed, "left_out").contains(&edge), "a pressure that falls off has tissue over the whole face");
+    assert!(list(&inspected("preset:contact-disc"), "included").contains(&edge));
     assert_eq!(inspected("preset:tsis-dent")["surface"], "spherical cap in closed form");
     assert!(pressed["adapter"].is_string() && pressed["memory"]["device_bytes"].as_u64().unwrap() > 0);
 }
