@@ -71,7 +71,7 @@ fn main() -> Result<()> {
     write_csv(&rows, &folder.join("map_bias.csv"))
 }
 
-fn measure(case: &Case, method: Integrator, texel_mm: f64, rounds: u32, raw: bool) -> Result<Rounds> {
+fn measure(case: &Case, integrator: Integrator, texel_mm: f64, rounds: u32, raw: bool) -> Result<Rounds> {
     let mut loaded = preset(case.scene)?;
     loaded.scene.render.map_texel_mm = texel_mm;
     let mut model = model_of(&loaded, None)?.2;
@@ -84,22 +84,22 @@ fn measure(case: &Case, method: Integrator, texel_mm: f64, rounds: u32, raw: boo
     eprintln!(
         "{} {} {texel_mm} mm: {} photons a round, {}",
         case.scene,
-        method.name(),
+        integrator.name(),
         work.photons,
         backend.adapter()
     );
-    let mut batch = Batch::new(&model, &mut backend, method, 1);
+    let mut batch = Batch::new(&model, &mut backend, integrator, 1);
     let mut out = Rounds::default();
     let face = TouchedFace::new(&model);
     let mut smoothing = Smoothing::default();
-    if method == Integrator::Map && !raw {
+    if integrator == Integrator::Map && !raw {
         let part = Work { photons: work.photons / u64::from(REPLICATES), ..work };
         let lights = (0..REPLICATES).map(|k| batch.contact_light(1000 + k, part, &face, &mut |_| true));
         smoothing = face.choose(&lights.collect::<Result<Vec<_>, _>>()?);
         eprintln!("boxes of {:?} texels", smoothing.widths);
     }
     for round in 0..rounds {
-        let image = if method == Integrator::Map {
+        let image = if integrator == Integrator::Map {
             let light = batch.contact_light(round, work, &face, &mut |_| true)?;
             let texels = face.texels(&[light], smoothing).pop().context("a map")?;
             batch.mapped(round, work, &texels, &mut |_| true)?

@@ -15,7 +15,7 @@ use tirtouch::trace::{Backend, BackendChoice, Devices, Integrator, Model, Precis
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
     pub scene: &'static str,
-    pub method: Integrator,
+    pub integrator: Integrator,
     pub photons: u64,
     /// Columns and rows in place of the scene's own, over the same view.
     pub size: Option<[u32; 2]>,
@@ -24,7 +24,7 @@ pub struct Case {
 impl Case {
     pub fn name(&self) -> String {
         let size = self.size.map_or_else(|| "full".to_owned(), |[columns, rows]| format!("{columns}x{rows}"));
-        format!("{}-{}-{size}", self.scene, self.method.name())
+        format!("{}-{}-{size}", self.scene, self.integrator.name())
     }
 
     fn model(&self) -> Result<Model<f64>> {
@@ -86,11 +86,11 @@ impl Films {
 
 /// The replicates of one film, as `render` makes them, without their ledger.
 fn render(model: &Model<f64>, backend: &mut Backend, case: &Case, seed: u32, spp: u32) -> Result<Vec<Vec<f32>>> {
-    let method = case.method;
-    let mut batch = Batch::new(model, backend, method, seed);
+    let integrator = case.integrator;
+    let mut batch = Batch::new(model, backend, integrator, seed);
     let work = Work { spp: spp.div_ceil(REPLICATES), photons: case.photons.div_ceil(REPLICATES.into()) };
     let go_on: &mut Observer = &mut |_| true;
-    let images: Vec<Vec<f64>> = if method == Integrator::Map {
+    let images: Vec<Vec<f64>> = if integrator == Integrator::Map {
         let face = TouchedFace::new(model);
         let maps =
             (0..REPLICATES).map(|k| batch.contact_light(k, work, &face, go_on)).collect::<Result<Vec<_>, _>>()?;

@@ -61,8 +61,8 @@ fn main() -> Result<()> {
         "| case | pairs | red at 0.05 | at 0.01 | at 0.001 | pixel found | whole found |\n|---|---|---|---|---|---|---|"
     );
     let mut all = Count::default();
-    for (scene, method, photons) in CASES {
-        let case = Case { scene, method, photons, size };
+    for (scene, integrator, photons) in CASES {
+        let case = Case { scene, integrator, photons, size };
         if case.name().contains(&filter) {
             let count = study(&Films::of(&case, 2 * pairs, spp, &folder)?, pairs)?;
             println!("{}", row(&case.name(), &count));
