@@ -1,7 +1,7 @@
 //! How often does a press of a phantom that nobody chose come to its end, and how long does it take?
 //!
 //!     cargo run --release --example any_phantom -- [--phantoms 500] [--solid] [--resolution F] [--edge-mm R] [--seed 1]
-//!                                                  [--all] [--mesh] [--friction F] [--near]
+//!                                                  [--all] [--mesh] [--friction F] [--near [--estimated]]
 //!
 //! Draws phantoms about `phantom-size-8mm`: a sphere of 4 to 14 mm and 20 to 150 kPa (log-uniform), its top 2 to 11 mm
 //! deep as far as it fits, in 3 to 10 kPa, pressed from 0.5 mm to 0.5 to 5 mm in three loads, each with and without its
@@ -45,6 +45,9 @@ struct Arguments {
     /// Each phantom, with its inclusion, starts from the one before, and is pressed alone as well.
     #[arg(long)]
     near: bool,
+    /// With `near`: from its own press on a coarser mesh, which estimates the error, instead of the one before.
+    #[arg(long, requires = "near")]
+    estimated: bool,
     /// Meshes only.
     #[arg(long)]
     mesh: bool,
@@ -155,8 +158,10 @@ fn near(arguments: &Arguments) -> Result<()> {
     for number in arguments.first..arguments.first + arguments.phantoms {
         let drawn = Drawn { depths_mm: NEAR_DEPTHS_MM.to_vec(), ..Drawn::new(arguments.seed, number) };
         let setup = press_setup(&drawn.scene(arguments)?)?;
+        let led = PressSettings { estimate_error: arguments.estimated, ..settings };
+        let from = before.as_ref().filter(|_| !arguments.estimated);
         let (Ok(alone), Ok(near)) =
-            (press(&setup, settings, &mut |_| true), press_near(&setup, before.as_ref(), settings, &mut |_| true))
+            (press(&setup, settings, &mut |_| true), press_near(&setup, from, led, &mut |_| true))
         else {
             println!("{number}: {}: a press failed", drawn.words());
             continue;

@@ -72,12 +72,12 @@ pub fn follow(
         let whole = target - state.load;
         let slides = solver.problem().slides();
         let longest = if solver.problem().rubs() { whole / RUBBING_STEPS } else { whole };
-        let longest = longest.min(solver.problem().longest_step);
         let mut step = if slides && state.load == 0.0 { longest.min(FIRST * whole) } else { longest };
         while state.load < target {
             if !observe(state.load) {
                 return Err(PathError::Stopped);
             }
+            let longest = longest.min(solver.problem().stride.from(state.load));
             step = step.min(longest).min(target - state.load);
             let next = if state.load + 1.001 * step >= target { target } else { state.load + step };
             let iterations = solver.iterations;

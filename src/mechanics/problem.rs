@@ -27,8 +27,28 @@ pub struct Problem {
     /// Time in which the load factor grows by 1, s; `None`: so slow that all is relaxed. Matters to relaxing materials
     /// only.
     pub seconds_per_load: Option<f64>,
-    /// Longest step of the load factor: a longer one may lead to another state in balance, such as a face in folds.
-    pub longest_step: f64,
+    /// How far the load factor may grow at once: a longer step may lead to another state in balance, such as a face in
+    /// folds.
+    pub stride: Stride,
+}
+
+/// How long steps of the load factor may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stride {
+    /// Load factor up to which they may be of any length.
+    pub any_to: f64,
+    /// Longest step beyond it.
+    pub longest: f64,
+}
+
+impl Stride {
+    /// Of any length.
+    pub const ANY: Self = Self { any_to: f64::INFINITY, longest: f64::INFINITY };
+
+    /// Longest step from a load factor on.
+    pub fn from(self, load: f64) -> f64 {
+        self.longest.max(self.any_to - load)
+    }
 }
 
 /// A prescribed displacement component.
@@ -72,8 +92,8 @@ impl Problem {
     pub fn free(kinematics: Kinematics, mesh: Mesh, materials: Vec<Material>) -> Self {
         let (supports, forces, contacts) = (Vec::new(), Vec::new(), Vec::new());
         let pressure = PressureOrder::default();
-        let (seconds_per_load, longest_step) = (None, f64::INFINITY);
-        Self { kinematics, pressure, mesh, materials, supports, forces, contacts, seconds_per_load, longest_step }
+        let (seconds_per_load, stride) = (None, Stride::ANY);
+        Self { kinematics, pressure, mesh, materials, supports, forces, contacts, seconds_per_load, stride }
     }
 
     /// The undeformed state.

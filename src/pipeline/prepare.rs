@@ -18,9 +18,8 @@ pub struct Order {
     pub sharing: Sharing,
     /// The phantom without its inclusions, on the same mesh.
     pub without_inclusions: bool,
-    /// The press starts from what the session's last one found, of a phantom like it, in a half of the iterations or a
-    /// third. It is as well balanced, but the same to rounding only, and where a deep press has several states it may
-    /// find another (docs/decisions/warm-starts.md): its bits depend on what came before.
+    /// The press starts from what the session's last one found, of a phantom like it, as far as that leads to the same
+    /// state (docs/decisions/warm-starts.md). It is the same to rounding only: its bits depend on what came before.
     pub near: bool,
     /// For a quick look: a press on a coarse mesh, without an estimate of its error.
     pub sketch: bool,

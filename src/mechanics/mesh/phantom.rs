@@ -8,6 +8,9 @@ use super::lines::Grading;
 use super::ogrid::Ogrid;
 use super::{InclusionShape, Lines, Mesh, MeshError, Resolution};
 
+/// Where elements are narrow along r, inside the contact's edge, in units of the size there.
+const WITHIN_EDGE: [f64; 2] = [1.0, 0.3];
+
 /// Outer shape of a phantom; it stands on its touched face z = 0, its axis is x = y = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PhantomShape {
@@ -270,6 +273,10 @@ impl PhantomMesh {
         } else {
             let edge = self.footprint.half_widths()[axis];
             features.extend([[edge, edge, size.edge_mm], [-edge, -edge, size.edge_mm], [-edge, edge, size.contact_mm]]);
+            if domain.dim == 2 && size.ring_share < 1.0 {
+                let [low, high] = WITHIN_EDGE.map(|share| edge - share * size.edge_mm);
+                features.push([low, high, size.ring_share * size.edge_mm]);
+            }
         }
         for item in boxes {
             let [low, high] = item.range[axis];

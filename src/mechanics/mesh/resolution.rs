@@ -9,7 +9,8 @@ use super::fillet::rim_length_mm;
 pub struct Resolution {
     /// Size at the contact's edge and at the touched face, mm.
     pub edge_mm: f64,
-    /// Width of the rings about a round contact in three dimensions, at its edge, in units of `edge_mm`.
+    /// Width of elements along r, in units of `edge_mm`: in three dimensions at a round contact's edge, in two within
+    /// that edge, where light sees the slope of what the singular edge has moved past.
     pub ring_share: f64,
     /// Largest size along the touched face within the contact, mm.
     pub contact_mm: f64,

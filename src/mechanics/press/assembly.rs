@@ -112,7 +112,7 @@ impl Assembly {
             supports,
             contacts,
             seconds_per_load: setup.seconds_per_mm,
-            longest_step: setup.longest_step_mm(),
+            stride: setup.stride_mm(),
             ..Problem::free(setup.kinematics, mesh, materials)
         };
         Ok(Self { problem, phantom_nodes, phantom_elements, bodies })

@@ -65,7 +65,7 @@ pub(super) fn march(
                 return Err(PathError::Stopped);
             }
             // The guess of the load itself; if it fails, those on the way.
-            let known = guesses.between(state.load, target);
+            let known = guesses.between(state.load, target.min(setup.one_state_to_mm()));
             let way = if known.len() > 1 { known.as_slice() } else { &[] };
             for load in known.last().into_iter().chain(way) {
                 let guess = guesses.at(&state, *load).filter(|_| state.load < target);

@@ -8,8 +8,8 @@
 //! the [`State`](super::problem::State) at a load; [`path`](super::path) follows the loads; `run.rs` reads forces and
 //! pressures. [`solid`](super::solid) is one element, [`contact`](super::contact) one pair of faces.
 //!
-//! A press starts at each depth from what another one found there, if there is one: that on a coarser mesh, which also
-//! estimates the error, or one of a phantom much like it (`carry.rs`).
+//! A press starts at each depth from what another one found there, if there is one: that of a phantom much like it, or
+//! that on a coarser mesh, which also estimates the error (`carry.rs`).
 
 pub mod assembly;
 mod carry;

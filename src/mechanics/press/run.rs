@@ -25,10 +25,8 @@ pub fn press(setup: &Setup, settings: PressSettings, observe: &mut Observer) -> 
     press_near(setup, None, settings, observe)
 }
 
-/// As [`press`], and starts at each depth from what another press found there, that of a phantom like it: half as many
-/// iterations, a third or fewer where the two are much alike. The state is as well balanced; where a deep press has
-/// several, in which the elements beside the sensor's wall fold differently, it may be another one
-/// (docs/decisions/warm-starts.md).
+/// As [`press`], and starts at each depth from what another press found there, that of a phantom like it, as far as
+/// there is one state in balance (docs/decisions/warm-starts.md). The state is the same to rounding.
 ///
 /// # Errors
 /// As [`press`].
@@ -42,9 +40,9 @@ pub fn press_near(
     let what = if settings.estimate_error { "estimating the error" } else { "pressing on a coarser mesh" };
     let start = Instant::now();
     // Faces that slide first find each other on a coarser mesh: what touches on another phantom is too far from what
-    // does on this one. What is to estimate the error may come first too.
-    let slides = ready.slides();
-    let leads = ready.takes_guesses() && (slides || (settings.estimate_error && near.is_none()));
+    // does on this one. What is to estimate the error may come first too, except where the way decides between states.
+    let estimates = settings.estimate_error && near.is_none() && setup.one_state_to_mm() == f64::INFINITY;
+    let leads = ready.takes_guesses() && (ready.slides() || estimates);
     let first = if leads { 0.25 } else { 0.0 };
     let mut coarse = if leads {
         coarser(setup, near, settings, &mut |done| observe(Stage { done: first * done, what }))?

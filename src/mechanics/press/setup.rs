@@ -5,6 +5,7 @@ use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::Material;
 use crate::mechanics::mesh::{Footprint, PhantomMesh};
+use crate::mechanics::problem::Stride;
 
 /// Description of a press.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,6 +90,10 @@ pub(super) fn length_mm(way: [f64; 3]) -> f64 {
 /// Longest step on an indenter, in radii of its footprint: half an element of a curved one's. A rounded flat one folded
 /// the face where 0.3 of its footprint were one step, and so did a ball.
 const LONGEST_STEP: f64 = 1.0 / 12.0;
+/// Depth to which a tied phantom beside a soft sensor has one state, in radii of the footprint.
+const ONE_STATE_TO: f64 = 0.14;
+/// Longest step beyond it, in the same unit. By steps twice as long 11 phantoms of 100 folded otherwise.
+const FOLDING_STEP: f64 = 1.0 / 30.0;
 
 impl Setup {
     /// The same press on elements of twice the size.
@@ -149,12 +154,30 @@ impl Setup {
         }
     }
 
-    /// Longest step of the load, mm. A curved indenter that went deeper at once would fold the face at the contact's
-    /// edge, and the folds stay.
-    pub(super) fn longest_step_mm(&self) -> f64 {
+    /// Depth beyond which several states are in balance and the way there decides between them, mm: beside a soft
+    /// sensor to which it is tied the phantom folds up at the wall (docs/decisions/rim.md). In three dimensions
+    /// elements there are too large for that.
+    pub(super) fn one_state_to_mm(&self) -> f64 {
         match self.sensor {
-            SensorBody::Indenter(_) => (LONGEST_STEP * self.reach_mm()).min(0.5 * self.phantom.resolution.contact_mm),
-            SensorBody::Rigid { .. } | SensorBody::Layers { .. } => f64::INFINITY,
+            SensorBody::Layers { .. } if self.kinematics.dim() == 2 && self.grip == Grip::Bonded => {
+                ONE_STATE_TO * self.reach_mm()
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// How long steps of the load may be, mm. A curved indenter that went deeper at once would fold the face at the
+    /// contact's edge, and the folds stay.
+    pub(super) fn stride_mm(&self) -> Stride {
+        let reach = self.reach_mm();
+        match self.sensor {
+            SensorBody::Indenter(_) => {
+                let longest = (LONGEST_STEP * reach).min(0.5 * self.phantom.resolution.contact_mm);
+                Stride { any_to: 0.0, longest }
+            }
+            SensorBody::Rigid { .. } | SensorBody::Layers { .. } => {
+                Stride { any_to: self.one_state_to_mm(), longest: FOLDING_STEP * reach }
+            }
         }
     }
 

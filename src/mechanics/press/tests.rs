@@ -4,6 +4,9 @@ use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::{Material, Prony};
 use crate::mechanics::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Resolution, Star};
+use crate::mechanics::newton::{LinearSolver, Solver};
+use crate::mechanics::path::follow;
+use crate::mechanics::problem::Stride;
 
 /// A phantom of the paper: 30 mm in radius, 25 mm high, 5 kPa, on a sensor of 15 mm in radius; Poisson's ratio 0.4999.
 fn phantom(inclusion: Option<[f64; 3]>, soft: bool, linear: bool, depths: &[f64]) -> Setup {
@@ -45,6 +48,27 @@ fn phantom(inclusion: Option<[f64; 3]>, soft: bool, linear: bool, depths: &[f64]
 
 fn pressed(setup: &Setup) -> Pressed {
     press(setup, PressSettings::default(), &mut |_| true).map_err(|error| error.to_string()).unwrap()
+}
+
+/// Beside a soft sensor the face folds up at the wall, and a press at once may fold it otherwise than one in small
+/// steps. Where this one does, the face's slope at the outline is 1 % off.
+#[test]
+fn a_deep_press_ends_where_small_steps_lead() {
+    let mut setup = phantom(Some([13.329, 2.167, 85.01]), true, false, &[3.56]);
+    setup.phantom.resolution.ring_share = 0.4;
+    setup.phantom_materials[0] = Material::neo_hookean(9.488, 0.4999).unwrap();
+    let small = (1..=28).map(|k| 3.56 * f64::from(k) / 28.0).collect();
+    let by_small = pressed(&Setup { load: Load::Depths(small), ..setup.clone() });
+    let [wanted, here] = [&by_small, &pressed(&setup)].map(|pressed| pressed.steps.last().unwrap().force_n);
+    assert!((here / wanted - 1.0).abs() < 1e-8, "{here} and {wanted} N");
+    // With steps of any length.
+    let mut problem = Assembly::new(&setup).unwrap().problem;
+    problem.stride = Stride::ANY;
+    let mut solver = Solver::new(&problem, LinearSolver::Direct);
+    let state = follow(&mut solver, problem.start(), &mut None, &[3.56], &mut |_| true).unwrap();
+    let at_once = contact_points(&problem, 0, &state).iter().map(|point| point.force_mn).sum::<f64>() * 1e-3;
+    println!("{here} N, at once {at_once} N");
+    assert!((at_once / wanted - 1.0).abs() > 1e-5, "{at_once} and {wanted} N");
 }
 
 /// Mean pressure over r < 1 mm, Pa of the undeformed face: the pressure is linear between the nodes.
@@ -241,7 +265,9 @@ fn a_press_near_another_is_the_same_press_in_fewer_iterations() {
         along.load = Load::Path([2.0, 4.0].map(|depth_mm| Pose { depth_mm, ..Pose::default() }).to_vec());
         let alone = pressed(&along);
         println!("{grip:?}: {} iterations near another, {} alone", near.iterations, alone.iterations);
-        assert!(10 * near.iterations <= 8 * alone.iterations, "{} of {}", near.iterations, alone.iterations);
+        // Where several states are in balance there is no guess.
+        let tenths = if grip == Grip::Bonded { 9 } else { 8 };
+        assert!(10 * near.iterations <= tenths * alone.iterations, "{} of {}", near.iterations, alone.iterations);
         for (near, alone) in near.steps.iter().zip(&alone.steps) {
             assert!((near.force_n / alone.force_n - 1.0).abs() < 1e-7, "{} {}", near.force_n, alone.force_n);
             let apart = near.state.displacement.iter().flatten().zip(alone.state.displacement.iter().flatten());

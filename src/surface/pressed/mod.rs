@@ -122,7 +122,7 @@ mod tests {
     use super::*;
     use crate::mechanics::from_scene::press_setup;
     use crate::mechanics::press::{PressSettings, press};
-    use crate::scene::Dimensions;
+    use crate::scene::{Dimensions, Elastic};
 
     #[test]
     fn slopes_of_a_pressed_phantom_do_not_depend_on_the_number_of_points() {
@@ -182,6 +182,27 @@ mod tests {
         let (default, wide) = (off(None), off(Some(1.0)));
         println!("slopes differ by {default:.6}, with rings as wide as they are high by {wide:.6}");
         assert!(default < 3e-4 && wide > 2.0 * default, "{default}, {wide}");
+    }
+
+    #[test]
+    fn the_slope_at_the_outline_under_soft_tissue_is_that_of_a_finer_mesh() {
+        let mut loaded = crate::scene::preset("phantom-size-8mm").unwrap();
+        loaded.scene.press.as_mut().unwrap().depths_mm = Some(vec![2.0]);
+        loaded.scene.phantom.as_mut().unwrap().material =
+            Elastic::NeoHookean { youngs_kpa: 3.0, poisson: 0.4999, relaxation: Vec::new() };
+        let mut slope = |resolution, ring_share: Option<f64>| {
+            loaded.scene.press.as_mut().unwrap().resolution = resolution;
+            let mut setup = press_setup(&loaded).unwrap();
+            let size = &mut setup.phantom.resolution;
+            size.ring_share = ring_share.unwrap_or(size.ring_share);
+            let pressed = press(&setup, PressSettings::default(), &mut |_| true).unwrap();
+            let surface = pressed_surface(&loaded, &pressed, pressed.steps.last().unwrap()).unwrap();
+            surface.relief(4).unwrap().at(15.0, 0.0)[1]
+        };
+        let fine = slope(2.0, None);
+        let [default, wide] = [None, Some(1.0)].map(|share| slope(1.0, share) / fine - 1.0);
+        println!("slope {fine:.5}, off by {default:.4}, where elements are as wide as high by {wide:.4}");
+        assert!(default.abs() < 0.01 && wide.abs() > 0.05, "{default}, {wide}");
     }
 
     #[test]
