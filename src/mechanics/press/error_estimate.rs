@@ -89,10 +89,7 @@ fn again(
     if !matches!(setup.load, Load::Path(_)) {
         setup.load = Load::Depths(pressed.steps.iter().map(|step| step.depth_mm).collect());
     }
-    match Ready::new(&setup, method)?.press(Some(pressed), observe) {
-        Err(PressError::Stopped { reached, .. }) => Ok(*reached),
-        outcome => outcome,
-    }
+    Ready::new(&setup, method)?.press_as_far(Some(pressed), observe)
 }
 
 /// What the force under an indenter may be off for its contact ends between two nodes, as a share of it. Two meshes may

@@ -5,6 +5,7 @@ use super::load::{Reached, march};
 use super::pressed::{PressStep, Pressed, is_judged};
 use super::{Assembly, Cost, Load, Pose, PressError, Setup, contact_points};
 use crate::mechanics::newton::{LinearSolver, Solver};
+use crate::mechanics::path::PathError;
 use std::time::{Duration, Instant};
 
 /// A press that was found to fit into memory.
@@ -34,6 +35,18 @@ impl Ready {
         let problem = &self.assembly.problem;
         let elastic = problem.materials.iter().all(|material| material.relaxation.is_empty());
         matches!(self.setup.load, Load::Depths(_)) && elastic && !problem.rubs()
+    }
+
+    /// One press on one mesh, as far as it comes: the loads that it reached are a press, too. What is told to stop is not.
+    pub fn press_as_far(
+        self,
+        near: Option<&Pressed>,
+        observe: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Pressed, PressError> {
+        match self.press(near, observe) {
+            Err(PressError::Stopped { cause, reached }) if cause != PathError::Stopped => Ok(*reached),
+            outcome => outcome,
+        }
     }
 
     /// One press on one mesh; `near` has guesses for it.

@@ -4,7 +4,6 @@ use super::pressed::{PressStep, Pressed};
 use super::ready::Ready;
 use super::{Load, PressError, Setup, error_estimate};
 use crate::mechanics::newton::LinearSolver;
-use crate::mechanics::path::PathError;
 use crate::progress::{Observer, Stage};
 use std::time::Instant;
 
@@ -62,7 +61,12 @@ pub fn press_near(
     let asked = |step: &PressStep| pressed.steps.iter().any(|asked| asked.depth_mm == step.depth_mm);
     coarse.iter_mut().for_each(|coarse| coarse.steps.retain(asked));
     let observe = &mut |done| observe(Stage { done: first + share + last * done, what });
-    error_estimate::estimate(&mut pressed, coarse, settings.method, observe)?;
+    match error_estimate::estimate(&mut pressed, coarse, settings.method, observe) {
+        Err(PressError::Stopped { cause, .. }) => {
+            return Err(PressError::Stopped { cause, reached: Box::new(pressed) });
+        }
+        done => done?,
+    }
     pressed.error_seconds = before + start.elapsed().as_secs_f64();
     Ok(pressed)
 }
@@ -80,11 +84,7 @@ fn coarser(
         Err(_) => return Ok(None),
         Ok(ready) => ready,
     };
-    match ready.press(near, observe) {
-        Err(stopped @ PressError::Stopped { cause: PathError::Stopped, .. }) => Err(stopped),
-        Err(PressError::Stopped { reached, .. }) => Ok(Some(*reached)),
-        pressed => pressed.map(Some),
-    }
+    ready.press_as_far(near, observe).map(Some)
 }
 
 /// A press that is also read halfway to each depth that lies more than a millimetre beyond the one before.
