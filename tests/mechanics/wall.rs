@@ -8,7 +8,7 @@ use tirtouch::mechanics::press::{Assembly, contact_points};
 use tirtouch::mechanics::problem::State;
 use tirtouch::mechanics::read_out::reactions;
 
-const DEPTH_MM: f64 = 5.0;
+const DEPTH_MM: f64 = 6.0;
 /// Half as fine as the default mesh.
 const DIVISIONS: usize = 1;
 
