@@ -83,7 +83,9 @@ pub fn follow(
             let iterations = solver.iterations;
             let guess = last.as_ref().and_then(|last| solver.extrapolated(last, &state, next));
             let damped = step <= DAMPED_STEP * whole;
-            match solver.step(&state, guess.as_ref().unwrap_or(&state), next, damped) {
+            let guess = guess.as_ref().unwrap_or(&state);
+            let step_to = if next < target { Solver::pass } else { Solver::step };
+            match step_to(solver, &state, guess, next, damped) {
                 Ok(balanced) => {
                     *last = Some(std::mem::replace(&mut state, balanced));
                     step *= GROWTH[usize::from(solver.iterations - iterations > EASY)];

@@ -140,6 +140,11 @@ impl Problem {
         self.contacts.iter().any(|contact| matches!(contact.grip, Grip::Coulomb(_)))
     }
 
+    /// Whether a state depends on the way to it.
+    pub fn way_counts(&self) -> bool {
+        self.rubs() || self.materials.iter().any(|material| !material.relaxation.is_empty())
+    }
+
     /// Positions of the nodes in a state, mm.
     pub fn positions(&self, state: &State) -> Vec<[f64; 3]> {
         let sum = |x: &[f64; 3], u: &[f64; 3]| [x[0] + u[0], x[1] + u[1], x[2] + u[2]];

@@ -1,7 +1,7 @@
 //! Newton's linear system: residual, tangent, step.
 
 use super::krylov::gmres;
-use super::touch::{Hold, Touching, pushes};
+use super::touch::{Hold, Touch, Touching, pushes};
 use super::{Balance, CHUNK, Change, FLOOR_STRAIN, HELD, LinearSolver, Solver, StepError};
 use crate::mechanics::contact::Coupling;
 use crate::mechanics::element::quadrature;
@@ -162,14 +162,16 @@ impl Solver<'_> {
         }
     }
 
-    /// Makes sure that the pattern holds all pairs that now touch.
+    /// Makes sure that the pattern holds all pairs that now bear on each other. A new one holds those that only face
+    /// each other too: they may bear next.
     fn prepare(&mut self, touches: &[Touching]) -> Result<(), SparseError> {
-        let touching = touches.iter().flat_map(|t| &t.nodes);
-        let contacts: Vec<Vec<u32>> =
-            touching.map(|touch| touch.gap.moved.iter().map(|entry| entry.0).collect()).collect();
-        if self.tangent.as_ref().is_some_and(|tangent| contacts.iter().all(|group| tangent.couples(group))) {
+        let group = |touch: &Touch| touch.gap.moved.iter().map(|entry| entry.0).collect::<Vec<u32>>();
+        let touching = || touches.iter().flat_map(|t| &t.nodes);
+        let known = |tangent: &Tangent| touching().filter(|t| t.bears()).all(|touch| tangent.couples(&group(touch)));
+        if self.tangent.as_ref().is_some_and(known) {
             return Ok(());
         }
+        let contacts: Vec<Vec<u32>> = touching().map(group).collect();
         let (mesh, dim) = (&self.problem.mesh, self.problem.kinematics.dim());
         self.tangent = Some(match self.method {
             LinearSolver::Direct => {
@@ -257,7 +259,7 @@ impl Solver<'_> {
         let solved = match &mut tangent {
             Tangent::Direct(matrix) => self.solve_directly(matrix, held, &right, systems, touches),
             Tangent::Multigrid(multigrid) => {
-                self.solve_iteratively(multigrid, held, right, systems, touches, balance.worth())
+                self.solve_iteratively(multigrid, held, right, systems, touches, balance.worth(self.within))
             }
         };
         self.tangent = Some(tangent);

@@ -184,6 +184,11 @@ pub(super) fn touch(
 }
 
 impl Touch {
+    /// Whether its nodes are joined in the tangent: it holds them, or lets go of a pressure that bends the gap.
+    pub fn bears(&self) -> bool {
+        self.hold != Hold::Free || !self.settled
+    }
+
     /// Whether the matrix has not all of what the node does.
     pub fn is_odd(&self) -> bool {
         let turned = || self.gap.moved.iter().zip(&self.gap.gradient).any(|((_, _, n), gradient)| n != gradient);

@@ -32,9 +32,7 @@ impl Ready {
 
     /// Whether a state depends on its depth alone, not on the way there.
     pub fn takes_guesses(&self) -> bool {
-        let problem = &self.assembly.problem;
-        let elastic = problem.materials.iter().all(|material| material.relaxation.is_empty());
-        matches!(self.setup.load, Load::Depths(_)) && elastic && !problem.rubs()
+        matches!(self.setup.load, Load::Depths(_)) && !self.assembly.problem.way_counts()
     }
 
     /// One press on one mesh, as far as it comes: the loads that it reached are a press, too. What is told to stop is not.

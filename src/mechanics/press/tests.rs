@@ -265,9 +265,9 @@ fn a_press_near_another_is_the_same_press_in_fewer_iterations() {
         along.load = Load::Path([2.0, 4.0].map(|depth_mm| Pose { depth_mm, ..Pose::default() }).to_vec());
         let alone = pressed(&along);
         println!("{grip:?}: {} iterations near another, {} alone", near.iterations, alone.iterations);
-        // Where several states are in balance there is no guess.
-        let tenths = if grip == Grip::Bonded { 9 } else { 8 };
-        assert!(10 * near.iterations <= tenths * alone.iterations, "{} of {}", near.iterations, alone.iterations);
+        // Tied faces take the guess to the first depth only, and are few iterations from it.
+        let most = if grip == Grip::Bonded { alone.iterations - 1 } else { 8 * alone.iterations / 10 };
+        assert!(near.iterations <= most, "{} of {}", near.iterations, alone.iterations);
         for (near, alone) in near.steps.iter().zip(&alone.steps) {
             assert!((near.force_n / alone.force_n - 1.0).abs() < 1e-7, "{} {}", near.force_n, alone.force_n);
             let apart = near.state.displacement.iter().flatten().zip(alone.state.displacement.iter().flatten());
