@@ -28,6 +28,7 @@ pub mod cli;
 pub mod converge;
 pub mod emulate;
 pub mod estimate;
+pub mod failure;
 pub mod figure;
 pub mod film;
 pub mod image_io;

@@ -7,8 +7,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
-use tirtouch::cli::Failure;
 use tirtouch::estimate;
+use tirtouch::failure::Failure;
 use tirtouch::film::{self, Film, compare::compare_paired};
 use tirtouch::image_io::{Provenance, read_radiance};
 

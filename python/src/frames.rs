@@ -84,7 +84,7 @@ impl Frames {
     /// Raises TirtouchError, with file and line, where it cannot be used.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> Result<Self, Trouble> {
-        let frames = py.detach(|| read_frames(&path)).map_err(tirtouch::cli::Failure::from)?;
+        let frames = py.detach(|| read_frames(&path)).map_err(tirtouch::failure::Failure::from)?;
         let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         Ok(Self { source: Source::measured(name, frames, &path), scan: None })
     }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tirtouch::cli::Failure;
+use tirtouch::failure::Failure;
 use tirtouch::scene::{self, LoadedScene, PRESETS};
 use tirtouch::vary::{self, Set};
 

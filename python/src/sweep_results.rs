@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tirtouch::cli::Failure;
+use tirtouch::failure::Failure;
 use tirtouch::output::Records;
 use tirtouch::pages::sweep::{Points, points, write};
 use tirtouch::sweep::{self, NoScene, Status};

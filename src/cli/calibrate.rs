@@ -4,8 +4,8 @@ use super::calibrate_sensor;
 use super::command::described;
 use super::flags::positive;
 use super::sweep::How;
-use super::{Failure, Outcome, cancel, note, print};
-use crate::calibrate::{CalibrateError, CalibrationFile, FrameModel, Inclusion, Limits, Protocol};
+use super::{Failure, Outcome, cancel, note};
+use crate::calibrate::{CalibrationFile, FrameModel, Inclusion, Limits, Protocol};
 use crate::figure::Figure;
 use crate::pages::bound::{self, Row};
 use clap::Args;
@@ -60,19 +60,16 @@ impl Calibrate {
         }
         let trainings = folders.read()?;
         let phantoms = trainings.design.points.len();
-        if !self.how.is_quiet() {
+        if !self.how.talk.quiet {
             note(&format!("learning from {phantoms} phantoms"));
         }
         let (model, file) = (trainings.learn()?, out.join(FILE));
         model.write(&file)?;
         let told = json!({"phantoms": phantoms, "scores": model.scores(), "file": file});
-        match self.how.is_json() {
-            true => print(&described(told, Some(&out)).to_string())?,
-            false => {
-                print(&format!("learnt from {phantoms} phantoms, by {} scores\n{}", model.scores(), file.display()))?
-            }
-        }
-        Ok(Outcome::Done)
+        self.how.talk.tell(
+            described(told, Some(&out)),
+            format!("learnt from {phantoms} phantoms, by {} scores\n{}", model.scores(), file.display()),
+        )
     }
 
     /// Bounds by the calibration, for inclusions over its range.
@@ -100,42 +97,18 @@ impl Calibrate {
         };
         let rows = model.some_inclusions().into_iter().map(row).collect::<Result<Vec<_>, Failure>>()?;
         let told = json!({"depths_mm": model.depths_mm, "frames": protocol.frames, "bounds": rows});
-        match self.how.is_json() {
-            true => print(&described(told, None).to_string())?,
-            false => print(&bound::text(&rows))?,
-        }
-        Ok(Outcome::Done)
+        self.how.talk.tell(described(told, None), bound::text(&rows))
     }
 
     /// Says that others have points to compute yet.
     fn wait(&self, out: &Path) -> Result<Outcome, Failure> {
         let told = json!({"phantoms": null, "scores": null, "file": null});
-        match self.how.is_json() {
-            true => print(&described(told, Some(out)).to_string())?,
-            false => print(&format!(
+        self.how.talk.tell(
+            described(told, Some(out)),
+            format!(
                 "{}: not all points are there yet; the same command without --engine and --shard goes on, and learns",
                 out.display()
-            ))?,
-        }
-        Ok(Outcome::Done)
-    }
-}
-
-impl From<CalibrateError> for Failure {
-    fn from(error: CalibrateError) -> Self {
-        match error {
-            CalibrateError::Folder(error) => error.into(),
-            CalibrateError::Image(error) => error.into(),
-            CalibrateError::Output(error) => error.into(),
-            CalibrateError::Fit(_) => Self::failed(error.to_string()),
-            CalibrateError::Unsuited { ref folder, .. } => {
-                let folder = folder.clone();
-                Self::input(error.to_string()).in_file(&folder)
-            }
-            CalibrateError::File { ref file, .. } => {
-                let file = file.clone();
-                Self::input(error.to_string()).in_file(&file)
-            }
-        }
+            ),
+        )
     }
 }

@@ -1,7 +1,7 @@
 //! `calibrate SCENE`: a sensor on the bench: mm per pixel from a target, force from the sum of grey values.
 
 use super::job::Job;
-use super::{Common, Failure, Outcome, command, print};
+use super::{Common, Failure, Outcome, command};
 use crate::estimate::sensor::{ForceLaw, scale};
 use crate::output::OutputFolder;
 use crate::pages::sensor::{Bench, Press};
@@ -72,9 +72,5 @@ pub(super) fn run(file: &Path, common: Common) -> Result<Outcome, Failure> {
     let bench = Bench { name: job.name().to_owned(), scale, bottom_area_mm2: width * depth, presses, law };
     bench.write(&folder)?;
     let done = command::commit(folder, Some(&job.loaded.text), bench.json())?;
-    match common.talk.json {
-        true => print(&done.json)?,
-        false => print(&bench.text(&done.out))?,
-    }
-    Ok(Outcome::Done)
+    common.talk.tell(&done.json, bench.text(&done.out))
 }

@@ -5,7 +5,7 @@
 //! half written, say the same line and end with exit code 3.
 
 use super::Failure;
-use crate::output::leftovers::{Leftovers, leftovers};
+use crate::output::leftovers::leftovers;
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
@@ -33,15 +33,6 @@ pub fn check() -> Result<(), Failure> {
     }
 }
 
-/// What a stop says.
-pub(super) fn line() -> String {
-    said(&leftovers())
-}
-
-fn said(left: &Leftovers) -> String {
-    format!("stopped on request; {}", left.remains().unwrap_or("nothing was written"))
-}
-
 /// No end at once from now on: the program is ending, and says why itself.
 pub(super) fn last_word() {
     std::mem::forget(leftovers());
@@ -65,7 +56,7 @@ pub(super) fn install(json: bool) -> Result<(), Failure> {
 fn end(json: bool) -> ! {
     let left = leftovers();
     left.clear();
-    let failure = Failure::stopped(said(&left));
+    let failure = Failure::left(&left);
     let (done, wait) = mpsc::channel();
     let spoken = std::thread::Builder::new().spawn(move || {
         let mut terminal = std::io::stderr();
@@ -73,7 +64,7 @@ fn end(json: bool) -> ! {
             // A bar that still stands there.
             let _ = write!(terminal, "\r\x1b[2K");
         }
-        failure.report(json);
+        super::report(&failure, json);
         let _ = done.send(());
     });
     if spoken.is_ok() {

@@ -3,8 +3,7 @@
 use super::command::described;
 use super::flags::Backend;
 use super::job::{check_light, watched};
-use super::pressing::PressFailure;
-use super::{Failure, Outcome, Talk, note, print};
+use super::{Failure, Outcome, PressFailure, Talk, note};
 use crate::converge::{Climb, ClimbError, Part};
 use crate::output::leftovers::leftovers;
 use crate::output::{RESULT, Records, SCENE};
@@ -126,11 +125,7 @@ impl Converge {
         }
         let result = described(table::json(&name, &found), Some(&place));
         records.write(RESULT, &format!("{result:#}\n"))?;
-        match self.talk.json {
-            true => print(&result.to_string())?,
-            false => print(&table::text(&name, &found, &place.display().to_string()))?,
-        }
-        Ok(Outcome::Done)
+        self.talk.tell(&result, table::text(&name, &found, &place.display().to_string()))
     }
 
     /// What traces.

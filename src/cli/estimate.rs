@@ -2,7 +2,7 @@
 
 use super::flags::positive;
 use super::measure::{Reading, grey_image, less};
-use super::{Failure, Outcome, Talk, note, print};
+use super::{Failure, Outcome, Talk, note};
 use crate::calibrate::{FORCE_ERROR, FrameModel, Frames, Inferred, PressFrame};
 use crate::camera::expose;
 use crate::estimate::{Calibration, Estimates, GreyImage, Settings, Threshold, estimate, scattered};
@@ -100,13 +100,8 @@ impl Estimate {
             None => (Estimates::without_model(), Err("no calibrated model".to_owned())),
         };
         let relative = relative_stiffness(&measured, &settings, calibration.as_ref());
-        match self.talk.json {
-            true => print(
-                &json(&measured, &relative, (&inclusion, &inferred), self.reading.reference.as_deref()).to_string(),
-            )?,
-            false => print(&text(&measured, &relative, (&inclusion, &inferred)))?,
-        }
-        Ok(Outcome::Done)
+        let told = json(&measured, &relative, (&inclusion, &inferred), self.reading.reference.as_deref());
+        self.talk.tell(told, text(&measured, &relative, (&inclusion, &inferred)))
     }
 
     /// What all images together say of the inclusion, and of all unknowns.

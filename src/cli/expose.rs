@@ -3,7 +3,7 @@
 use super::command;
 use super::flags::positive;
 use super::job::note_exposure;
-use super::{Failure, Outcome, Talk, note, print};
+use super::{Failure, Outcome, Talk, note};
 use crate::film::Film;
 use crate::image_io::{Provenance, read_radiance};
 use crate::output::OutputFolder;
@@ -55,11 +55,7 @@ impl Expose {
         exposure.frame.write_png(&folder.path("camera.png"))?;
         folder.write("camera_false_color.svg", &exposure.picture()?)?;
         let done = command::commit(folder, Some(&exposure.loaded.text), exposure.json())?;
-        match self.talk.json {
-            true => print(&done.json)?,
-            false => print(&exposure.text(&done.out))?,
-        }
-        Ok(Outcome::Done)
+        self.talk.tell(&done.json, exposure.text(&done.out))
     }
 
     /// The scene with the flags in place of what it says of exposure and bits.

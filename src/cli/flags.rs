@@ -1,10 +1,11 @@
 //! Flags that commands share.
 
-use super::Failure;
+use super::{Failure, Outcome, print};
 use crate::scene::IntegratorChoice;
 use crate::trace::{self, BackendChoice, Devices, Settings};
 use crate::vary::Set;
 use clap::{Args, ValueEnum};
+use std::fmt::Display;
 use std::path::PathBuf;
 
 /// What a command says while it runs and when it is done.
@@ -16,6 +17,14 @@ pub struct Talk {
     /// One JSON object on standard output, nothing else there.
     #[arg(long)]
     pub json: bool,
+}
+
+impl Talk {
+    /// Says what a command has done, as JSON or in words.
+    pub(super) fn tell(&self, json: impl Display, words: impl Display) -> Result<Outcome, Failure> {
+        print(&if self.json { json.to_string() } else { words.to_string() })?;
+        Ok(Outcome::Done)
+    }
 }
 
 /// Flags of the commands that compute and write a folder.

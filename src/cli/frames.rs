@@ -4,7 +4,7 @@ mod source;
 
 use super::command;
 use super::flags::{finite, not_negative, positive};
-use super::{Failure, Outcome, Progress, Talk, cancel, note, print};
+use super::{Failure, Outcome, Progress, Talk, cancel, note};
 use crate::estimate::tissue::{self, Question, Tissue, noisy};
 use crate::mechanics::frames::Frames;
 use crate::output::OutputFolder;
@@ -86,11 +86,7 @@ impl FramesCommand {
         let pictures = Pictures::draw(&reading)?;
         reading.write(&folder, &pictures)?;
         let done = command::commit(folder, reading.source.scene_text.as_deref(), reading.json())?;
-        match self.talk.json {
-            true => print(&done.json)?,
-            false => print(&reading.text(&done.out))?,
-        }
-        Ok(Outcome::Done)
+        self.talk.tell(&done.json, reading.text(&done.out))
     }
 
     /// What is known beside the frames, where the tissue is to be estimated.

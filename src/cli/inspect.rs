@@ -1,7 +1,7 @@
 //! `inspect`: what was understood of a scene, and what a render of it would do.
 
 use super::job::{check_light, open_with, watched};
-use super::{Failure, Outcome, Talk, print};
+use super::{Failure, Outcome, Talk};
 use crate::pages::inspection::Inspection;
 use crate::trace::{BackendChoice, Devices, Precision};
 use crate::vary::Set;
@@ -44,10 +44,7 @@ impl Inspect {
             let measured = watched(self.talk.quiet, |observe| seen.measure_gains(&devices, self.rounds, observe));
             same = measured.map_err(of_scene)?;
         }
-        match self.talk.json {
-            true => print(&seen.json()?.to_string())?,
-            false => print(&seen.text()?)?,
-        }
+        self.talk.tell(&seen.json()?, &seen.text()?)?;
         Ok(if same { Outcome::Done } else { Outcome::CheckFailed })
     }
 }

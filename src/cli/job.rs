@@ -1,7 +1,6 @@
 //! A scene's way through the pipeline, with progress and with words for what goes wrong.
 
-use super::pressing::PressFailure;
-use super::{Common, Failure, Progress, cancel, note};
+use super::{Common, Failure, PressFailure, Progress, cancel, note};
 use crate::camera::Suited;
 use crate::mechanics::press::Pressed;
 use crate::pages::exposure::unsuited;

@@ -13,7 +13,6 @@ mod compare;
 mod converge;
 mod demo;
 mod environment;
-mod error;
 mod estimate;
 mod expose;
 mod flags;
@@ -23,7 +22,6 @@ mod job;
 mod measure;
 mod new;
 mod press;
-mod pressing;
 mod progress;
 mod render;
 mod run;
@@ -35,10 +33,10 @@ mod sweep;
 mod usage;
 mod view;
 
-pub use error::{Failure, Kind, Outcome};
 pub use flags::{Backend, Common, Precision, Talk};
 pub use progress::Progress;
 
+use crate::failure::{Failure, PressFailure};
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::Write;
@@ -55,6 +53,15 @@ use std::process::ExitCode;
 struct CommandLine {
     #[command(subcommand)]
     command: Command,
+}
+
+/// How a command ended that did not fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Done (exit code 0).
+    Done,
+    /// It ran, and the check it makes did not hold (exit code 1).
+    CheckFailed,
 }
 
 #[derive(Debug, Subcommand)]
@@ -135,9 +142,23 @@ fn run() -> u8 {
         Ok(Outcome::CheckFailed) => 1,
         Err(failure) => {
             cancel::last_word();
-            failure.report(json)
+            report(&failure, json)
         }
     }
+}
+
+/// Says a failure, on standard error and for `--json` as an object on standard output, and gives the exit code.
+fn report(failure: &Failure, json: bool) -> u8 {
+    note(failure.message());
+    if !failure.others().is_empty() {
+        note(&format!("and {} more:", failure.others().len()));
+    }
+    failure.others().iter().for_each(|other| note(other.message()));
+    if json {
+        // Standard error has said it already, so a closed standard output hides nothing.
+        let _ = write_line(&failure.json().to_string());
+    }
+    failure.code()
 }
 
 /// Writes `text` and a line's end to standard output, unless the user has asked to stop. A reader that has gone away is

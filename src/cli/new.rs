@@ -1,6 +1,6 @@
 //! `new`: a scene file to begin with.
 
-use super::{Failure, Outcome, Talk, print};
+use super::{Failure, Outcome, Talk};
 use crate::output::write_whole;
 use crate::scene::{self, LoadedScene};
 use crate::vary::{self, Set};
@@ -110,11 +110,10 @@ impl New {
             write_whole(&schema, &format!("{:#}\n", scene::schema()))?;
         }
         write_anew(&file, &text)?;
-        match self.talk.json {
-            true => print(&json!({"file": file.display().to_string()}).to_string())?,
-            false => print(&format!("{0}: try `tirtouch run {0}` or `tirtouch view {0}`", file.display()))?,
-        }
-        Ok(Outcome::Done)
+        self.talk.tell(
+            json!({"file": file.display().to_string()}),
+            format!("{0}: try `tirtouch run {0}` or `tirtouch view {0}`", file.display()),
+        )
     }
 }
 

@@ -2,8 +2,7 @@
 
 use super::command::{self, command_line};
 use super::job::{open_with, press_scene};
-use super::pressing::PressFailure;
-use super::{Failure, Outcome, Talk, print};
+use super::{Failure, Outcome, PressFailure, Talk, print};
 use crate::mechanics::press::{PressError, Pressed};
 use crate::output::OutputFolder;
 use crate::pages::facts::columns;

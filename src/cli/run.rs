@@ -3,7 +3,7 @@
 use super::command::{self, command_line, command_of_light};
 use super::job::{Job, note_exposure};
 use super::measure::SceneReading;
-use super::{Common, Failure, Outcome, print};
+use super::{Common, Failure, Outcome};
 use crate::calibrate::estimates_of;
 use crate::estimate::GreyImage;
 use crate::output::OutputFolder;
@@ -83,10 +83,7 @@ pub(super) fn whole_job(
     summary.shot.stages_seconds.files = pictures.files_seconds;
     summary.earlier_frames = earlier;
     let done = command::commit(folder, Some(&job.loaded.text), json!(summary))?;
-    match common.talk.json {
-        true => print(&done.json)?,
-        false => print(&pages::run::text(&shot, &figures, &summary.truth, &done.out))?,
-    }
+    common.talk.tell(&done.json, pages::run::text(&shot, &figures, &summary.truth, &done.out))?;
     Ok(PathBuf::from(done.out))
 }
 

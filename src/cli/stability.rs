@@ -3,7 +3,7 @@
 use super::command::{self, described};
 use super::flags::Backend;
 use super::job::watched;
-use super::{Failure, Outcome, Talk, note, print};
+use super::{Failure, Outcome, Talk, note};
 use crate::output::OutputFolder;
 use crate::pages::stability::{pictures, table};
 use crate::stability::{Context, Tracer, membrane, run};
@@ -57,10 +57,7 @@ impl Stability {
             }
             None => (None, described(result, None).to_string()),
         };
-        match self.talk.json {
-            true => print(&json)?,
-            false => print(&table::text(&rows, adapter.as_deref(), out.as_deref()))?,
-        }
+        self.talk.tell(&json, table::text(&rows, adapter.as_deref(), out.as_deref()))?;
         Ok(if failed == 0 { Outcome::Done } else { Outcome::CheckFailed })
     }
 

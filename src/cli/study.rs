@@ -2,14 +2,14 @@
 
 use super::command::{command_line, described};
 use super::sweep::How;
-use super::{Failure, Outcome, Progress, cancel, note, print};
+use super::{Failure, Outcome, Progress, cancel, note};
 use crate::calibrate::{FrameModel, ready};
 use crate::estimate::Calibration;
 use crate::output::{RESULT, Records};
 use crate::pages::paper_study::{self, PaperPage};
 use crate::pages::study;
 use crate::report::Report;
-use crate::study::{How as Tried, Paper, PaperFigure, Parts, StudyError, StudyFile, Summary, Trial, readings, trials};
+use crate::study::{How as Tried, Paper, PaperFigure, Parts, StudyFile, Summary, Trial, readings, trials};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -41,11 +41,7 @@ impl Study {
         records.write("report.html", &said.report.to_html())?;
         let result = described(said.summary, Some(&out));
         records.write(RESULT, &format!("{result:#}\n"))?;
-        match self.how.is_json() {
-            true => print(&result.to_string())?,
-            false => print(&said.text)?,
-        }
-        Ok(Outcome::Done)
+        self.how.talk.tell(&result, &said.text)
     }
 
     /// True against estimated.
@@ -95,14 +91,14 @@ impl Study {
             let empty = parts.empty.as_deref().map(|empty| work.part(empty, "empty")).transpose()?;
             Ok((phantoms, empty, work.is_whole))
         })?;
-        if !is_whole && !self.how.is_quiet() {
+        if !is_whole && !self.how.talk.quiet {
             note("not all points are there yet: the study is of those that are");
         }
         Ok((phantoms, empty))
     }
 
     fn observer(&self) -> impl Fn(usize, usize) -> bool + Sync + use<> {
-        let progress = Progress::new(self.how.is_quiet());
+        let progress = Progress::new(self.how.talk.quiet);
         move |done: usize, all: usize| {
             progress.observe(done as f64 / all.max(1) as f64, &format!("phantom {done} of {all}"));
             !cancel::requested()
@@ -153,16 +149,4 @@ struct Said {
     report: Report,
     text: String,
     summary: serde_json::Value,
-}
-
-impl From<StudyError> for Failure {
-    fn from(error: StudyError) -> Self {
-        match error {
-            StudyError::Sweep(error) => error.into(),
-            StudyError::Exposure(error) => error.into(),
-            StudyError::Frame(error) => error.into(),
-            StudyError::Phantom(error) => error.into(),
-            StudyError::Statistics(error) => Self::failed(error.to_string()),
-        }
-    }
 }

@@ -10,7 +10,7 @@ use crate::pages::sweep::{text, write};
 use crate::pipeline::Session;
 use crate::scene::open;
 use crate::sweep::slurm;
-use crate::sweep::{NoScene, Options, Parts, Status, Sweep, SweepError, SweepFolderError, by_hand, run};
+use crate::sweep::{NoScene, Options, Parts, Status, Sweep, by_hand, run};
 use crate::trace::{Devices, Precision};
 use clap::{Args, Subcommand, ValueEnum as _};
 use serde_json::json;
@@ -108,7 +108,7 @@ pub(super) struct How {
     #[arg(long, value_enum, default_value_t)]
     backend: Backend,
     #[command(flatten)]
-    talk: Talk,
+    pub(super) talk: Talk,
 }
 
 /// A folder with records.
@@ -209,11 +209,7 @@ impl How {
         let status = write(sweep, &records, &command_line())?;
         let result = described(status.run_json(sweep, start.elapsed().as_secs_f64(), before), Some(&place));
         records.write(RESULT, &format!("{result:#}\n"))?;
-        match self.talk.json {
-            true => print(&result.to_string())?,
-            false => print(&text(sweep, &status, &place.display().to_string()))?,
-        }
-        Ok(Outcome::Done)
+        self.talk.tell(&result, text(sweep, &status, &place.display().to_string()))
     }
 }
 
@@ -271,14 +267,6 @@ impl How {
         }
     }
 
-    pub(super) fn is_quiet(&self) -> bool {
-        self.talk.quiet
-    }
-
-    pub(super) fn is_json(&self) -> bool {
-        self.talk.json
-    }
-
     fn records(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<Records, Failure> {
         let records = sweep.enter(place, self.force, resume)?;
         leftovers().keep(format!("what was done is in {}: go on with --resume", place.display()));
@@ -309,8 +297,7 @@ impl How {
         let mut result = Status::of(sweep, &records).json(sweep);
         (result["tasks"], result["sent"]) = (json!(job.tasks), json!(self.submit));
         let result = described(result, Some(place));
-        print(if self.talk.json { result.to_string() } else { said }.as_str())?;
-        Ok(Outcome::Done)
+        self.talk.tell(result, said)
     }
 }
 
@@ -331,11 +318,10 @@ impl OfFolder {
     }
 
     fn tell(&self, sweep: &Sweep, status: &Status) -> Result<Outcome, Failure> {
-        match self.talk.json {
-            true => print(&described(status.json(sweep), Some(&self.folder)).to_string())?,
-            false => print(&text(sweep, status, &self.folder.display().to_string()))?,
-        }
-        Ok(Outcome::Done)
+        self.talk.tell(
+            described(status.json(sweep), Some(&self.folder)),
+            text(sweep, status, &self.folder.display().to_string()),
+        )
     }
 }
 
@@ -351,37 +337,5 @@ impl SceneOf {
         })?;
         print(&scene)?;
         Ok(Outcome::Done)
-    }
-}
-
-impl From<SweepError> for Failure {
-    fn from(error: SweepError) -> Self {
-        match error {
-            SweepError::Output(error) => error.into(),
-            SweepError::Device { .. } => Self::failed(error.to_string()),
-            SweepError::Stopped => Self::cancelled(),
-        }
-    }
-}
-
-impl From<slurm::JobError> for Failure {
-    fn from(error: slurm::JobError) -> Self {
-        match error {
-            slurm::JobError::Output(error) => error.into(),
-            error => Self::failed(error.to_string()),
-        }
-    }
-}
-
-impl From<SweepFolderError> for Failure {
-    fn from(error: SweepFolderError) -> Self {
-        match error {
-            SweepFolderError::Output(error) => error.into(),
-            SweepFolderError::Scene(error) => error.into(),
-            SweepFolderError::Strange(ref folder) => {
-                let folder = folder.clone();
-                Self::input(error.to_string()).in_file(&folder)
-            }
-        }
     }
 }

@@ -2,10 +2,10 @@
 
 use super::flags::Backend;
 use super::job::{check_light, open_with};
-use super::{Failure, Outcome, Talk, cancel, note, print};
+use super::{Failure, Outcome, Talk, cancel, note};
 use crate::trace::{Devices, Precision, Settings};
 use crate::vary::Set;
-use crate::view::{Desk, Knob, Server, Span, Tev, TevError, ViewError, paint};
+use crate::view::{Desk, Knob, Server, Span, Tev, ViewError, paint};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -66,10 +66,7 @@ impl View {
             let work = move || paint(devices.into(), &desk, &settings, tev);
             thread::Builder::new().spawn(work).map_err(ViewError::System)?
         };
-        match self.talk.json {
-            true => print(&json!({"url": server.url()}).to_string())?,
-            false => print(&format!("Open {} in a browser; Ctrl-C ends it.", server.url()))?,
-        }
+        self.talk.tell(json!({"url": server.url()}), format!("Open {} in a browser; Ctrl-C ends it.", server.url()))?;
         server.serve(&|| cancel::requested() || painter.is_finished());
         desk.end();
         if painter.is_finished() && !cancel::requested() {
@@ -82,20 +79,5 @@ impl View {
         // That was how it ends.
         cancel::last_word();
         Ok(Outcome::Done)
-    }
-}
-
-impl From<ViewError> for Failure {
-    fn from(error: ViewError) -> Self {
-        match error {
-            ViewError::System(_) => Self::failed(error.to_string()),
-            ViewError::Port { .. } | ViewError::Knob(_) => Self::usage(error.to_string()),
-        }
-    }
-}
-
-impl From<TevError> for Failure {
-    fn from(error: TevError) -> Self {
-        Self::usage(error.to_string())
     }
 }

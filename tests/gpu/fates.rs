@@ -2,9 +2,10 @@
 
 use crate::adapter::require_gpu;
 use crate::scenes::Case;
+use tirtouch::scene::Tissue;
 use tirtouch::trace::backend::CpuTracer;
 use tirtouch::trace::batch::{Batch, Totals, Work};
-use tirtouch::trace::cpu::Limits;
+use tirtouch::trace::cpu::{Limits, book};
 use tirtouch::trace::gpu::GpuTracer;
 use tirtouch::trace::model::Real;
 use tirtouch::trace::render::accepted;
@@ -84,4 +85,25 @@ fn no_camera_path_of_an_accepted_image_is_lost_or_cut_off() {
             assert!(totals.fates.segments > totals.paths && accepted(&totals).is_ok());
         }
     }
+}
+
+/// Clear walls hold light that goes like a cube's diagonal. It comes out of them, if it is let: a share of roulette at
+/// each interaction makes what is left thousands of times heavier.
+#[test]
+fn photons_that_walls_hold_for_long_stay_as_heavy_as_they_were() {
+    let mut case = Case::named("pressed");
+    // Tissue that sends back by Lambert's law weighs nothing.
+    let tissue = &mut case.loaded.scene.touch.contact.as_mut().unwrap().tissue;
+    *tissue =
+        Tissue { reduced_scattering_per_mm: None, absorption_per_mm: None, diffuse_reflectance: Some(0.8), ..*tissue };
+    let model = case.model(PIXELS);
+    let played = |limits: Limits| {
+        let mut backend = Backend::Cpu32(twin(&model, limits));
+        let mut batch = Batch::new(&model, &mut backend, Integrator::Map, 1);
+        batch.ledger(1 << 19, &mut |_| true).unwrap();
+        batch.totals.tally[book::ROULETTE]
+    };
+    let early = Limits { roulette_start: 256, ..Limits::default() };
+    let found = [early, Limits::default()].map(played);
+    assert!(found[0] != 0 && found[1] == 0, "{found:?}");
 }
