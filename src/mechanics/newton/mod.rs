@@ -23,7 +23,7 @@ use super::sparse::SparseError;
 use damping::Damping;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use system::{Forces, Tangent, floor, own_stiffness};
+use system::{Evaluated, Tangent, floor, own_stiffness};
 use thiserror::Error;
 use touch::{Hold, Touching, touch};
 
@@ -111,6 +111,8 @@ const WORTH: f64 = 1e-2;
 const FOUND: usize = 5;
 const APART: f64 = 2.0;
 const CLOSING: f64 = 0.1;
+/// Square of the forces' residual, over what is asked for, below which a step is expected to be the last.
+const SQUARE: f64 = 1e-2;
 /// Halvings of a Newton step that turns an element inside out.
 const HALVINGS: usize = 10;
 /// Elements evaluated at a time.
@@ -167,6 +169,11 @@ impl Balance {
     fn worth(&self, within: Tolerance) -> f64 {
         let left = [within.force / self.force, within.volume / self.volume, within.gap_mm / self.gap];
         left.into_iter().fold(1.0, f64::min)
+    }
+
+    /// Whether Newton's next step is expected to be the last: its residual goes as the square of this one.
+    fn ends(&self, within: Tolerance) -> bool {
+        self.force * self.force < SQUARE * within.force
     }
 
     fn holds(&self, within: Tolerance) -> bool {
@@ -330,10 +337,11 @@ impl<'a> Solver<'a> {
         let mut widest = CLOSING * (load - from.load).abs();
         let (mut best, mut stale) = (f64::INFINITY, 0);
         let mut held: Vec<Hold> = Vec::new();
-        let mut forces = self.forces(&state).ok_or(StepError::InsideOut)?;
+        let ahead = self.problem.kinematics.dim() == 2;
+        let mut elements = self.evaluate(&state, ahead).ok_or(StepError::InsideOut)?;
         for iteration in 0..iterations {
             let touches = self.touches(&state, &before, iteration == 0 && bears_nothing(&state));
-            let mut balance = self.balance(&state, forces, &touches);
+            let mut balance = self.balance(&state, elements.forces, &touches);
             // What was balanced while nodes did something else is no measure of progress.
             let holds: Vec<Hold> = touches.iter().flat_map(|t| t.nodes.iter().map(|touch| touch.hold)).collect();
             let same = held.is_empty() || held == holds;
@@ -365,11 +373,11 @@ impl<'a> Solver<'a> {
             } else {
                 break;
             }
-            let systems = self.assemble(&state, &touches)?;
+            let systems = self.assemble(&state, elements.systems, &touches)?;
             self.damping.renew(balance.force, same);
             self.iterations += 1;
             let change = self.solve(&state, &systems, &touches, balance)?;
-            (state, forces) = self.advance(&state, &change)?;
+            (state, elements) = self.advance(&state, &change, ahead && !balance.ends(self.within))?;
         }
         Err(StepError::Diverged {
             iterations: self.iterations - first,
@@ -438,13 +446,14 @@ impl<'a> Solver<'a> {
         [0, 1, 2].map(|axis| axis < dim && self.equation[node as usize * dim + axis] == HELD)
     }
 
-    /// Moves a state along Newton's step, as far as no element turns inside out.
-    fn advance(&self, state: &State, change: &Change) -> Result<(State, Forces), StepError> {
+    /// Moves a state along Newton's step, as far as no element turns inside out, and evaluates the elements there,
+    /// `ahead` with their tangents.
+    fn advance(&self, state: &State, change: &Change, ahead: bool) -> Result<(State, Evaluated), StepError> {
         let mut share = 1.0;
         for _ in 0..HALVINGS {
             let next = self.moved(state, change, share);
-            if let Some(forces) = self.forces(&next) {
-                return Ok((next, forces));
+            if let Some(elements) = self.evaluate(&next, ahead) {
+                return Ok((next, elements));
             }
             share *= 0.5;
         }

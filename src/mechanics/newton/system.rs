@@ -34,6 +34,13 @@ pub(super) struct Forces {
     volume: f64,
 }
 
+/// Elements in a state.
+pub(super) struct Evaluated {
+    pub forces: Forces,
+    /// All of them with their tangents, where these were asked for ahead.
+    pub systems: Vec<ElementSystem>,
+}
+
 impl Tangent {
     fn clear(&mut self) {
         match self {
@@ -59,23 +66,28 @@ impl Tangent {
 }
 
 impl Solver<'_> {
-    /// What the elements push with; `None` where one is inside out.
-    pub(super) fn forces(&self, state: &State) -> Option<Forces> {
+    /// What the elements push with, `ahead` with their tangents; `None` where one is inside out.
+    pub(super) fn evaluate(&self, state: &State, ahead: bool) -> Option<Evaluated> {
         let problem = self.problem;
-        let mut found = Forces { residual: vec![0.0; self.prescribed.len()], size: self.floor.clone(), volume: 0.0 };
+        let mut forces = Forces { residual: vec![0.0; self.prescribed.len()], size: self.floor.clone(), volume: 0.0 };
+        let mut systems = Vec::new();
         let elements: Vec<usize> = (0..problem.mesh.element_count()).collect();
         for chunk in elements.chunks(CHUNK) {
-            let systems: Option<Vec<ElementSystem>> = chunk.par_iter().map(|&e| self.element(e, state, None)).collect();
-            for (&e, system) in chunk.iter().zip(systems?) {
-                for (k, f) in unknowns(problem.mesh.element(e), problem.kinematics.dim()).into_iter().zip(system.force)
-                {
-                    found.residual[k] += f;
-                    found.size[k] += f.abs();
+            let of = |&e: &usize| self.element(e, state, ahead.then(|| self.bulk_kpa(e)));
+            let mut found = chunk.par_iter().map(of).collect::<Option<Vec<ElementSystem>>>()?;
+            for (&e, system) in chunk.iter().zip(&found) {
+                let unknowns = unknowns(problem.mesh.element(e), problem.kinematics.dim());
+                for (k, f) in unknowns.into_iter().zip(&system.force) {
+                    forces.residual[k] += f;
+                    forces.size[k] += f.abs();
                 }
-                found.volume = found.volume.max(system.volume_defect);
+                forces.volume = forces.volume.max(system.volume_defect);
+            }
+            if ahead {
+                systems.append(&mut found);
             }
         }
-        Some(found)
+        Some(Evaluated { forces, systems })
     }
 
     /// How far a state is from balance.
@@ -115,8 +127,13 @@ impl Solver<'_> {
         Balance { force, volume, gap, settled }
     }
 
-    /// The tangent, and all elements with theirs.
-    pub(super) fn assemble(&mut self, state: &State, touches: &[Touching]) -> Result<Vec<ElementSystem>, StepError> {
+    /// The tangent, and all elements with theirs; those that are `known` are not evaluated again.
+    pub(super) fn assemble(
+        &mut self,
+        state: &State,
+        known: Vec<ElementSystem>,
+        touches: &[Touching],
+    ) -> Result<Vec<ElementSystem>, StepError> {
         self.prepare(touches)?;
         let problem = self.problem;
         let dim = problem.kinematics.dim();
@@ -124,9 +141,13 @@ impl Solver<'_> {
         let mut tangent = self.tangent.take().ok_or(SparseError::TooLarge)?;
         tangent.clear();
         let elements: Vec<usize> = (0..problem.mesh.element_count()).collect();
+        let is_known = !known.is_empty();
+        let mut known = known.into_iter();
         for chunk in elements.chunks(CHUNK) {
-            let chunk_systems: Option<Vec<ElementSystem>> =
-                chunk.par_iter().map(|&e| self.element(e, state, Some(self.bulk_kpa(e)))).collect();
+            let chunk_systems: Option<Vec<ElementSystem>> = match is_known {
+                true => Some(known.by_ref().take(chunk.len()).collect()),
+                false => chunk.par_iter().map(|&e| self.element(e, state, Some(self.bulk_kpa(e)))).collect(),
+            };
             let Some(mut chunk_systems) = chunk_systems else {
                 self.tangent = Some(tangent);
                 return Err(StepError::InsideOut);
