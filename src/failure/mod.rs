@@ -25,7 +25,7 @@ pub enum Kind {
     Cancelled,
 }
 
-/// Why a command failed: one line that says what, where, and what would be right.
+/// What went wrong: one line that says what, where, and what would be right.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
     kind: Kind,
