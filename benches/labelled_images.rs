@@ -5,10 +5,9 @@
 //!         [--error 0.01] [--sweep] [--estimate] [--alone FOLDER] [--program target/release/tirtouch]
 //!
 //! Draws spheres of 4 to 14 mm and 20 to 150 kPa, their tops 3 to 10 mm deep as far as they fit, in the phantom of
-//! `phantom-size-8mm`; each is pressed by 1, 2 and 4 mm, and its image at 4 mm is traced and exposed. The first image
-//! is traced to the error asked for, a share of a pixel's radiance; the others with a third more photons than that
-//! took, and with more again where these did not do. One thread presses the next phantom, from the last one, while this
-//! one is traced. With `--alone` the scenes are written to a folder, and each is pressed from rest once the one before
+//! `phantom-size-8mm`; each is pressed by 1, 2 and 4 mm, and its image at 4 mm is traced to the error asked for, a share
+//! of a pixel's radiance, and exposed. One thread presses the next phantom, from the last one, while this one is
+//! traced. With `--alone` the scenes are written to a folder, and each is pressed from rest once the one before
 //! is traced, with its number as its seed, and is traced to the error: a plain loop, which labelled_images.py times
 //! from Python. With `--sweep` the phantom stays and the index of the touched layer changes. Presses estimate their
 //! errors with `--estimate`.
@@ -53,9 +52,6 @@ struct Arguments {
     #[arg(long)]
     program: Option<PathBuf>,
 }
-
-/// Photons of an image above those that sufficed for another.
-const MARGIN: f64 = 1.3;
 
 /// A scene and its label.
 fn drawn(arguments: &Arguments, number: u32) -> Result<(LoadedScene, String)> {
@@ -122,11 +118,9 @@ fn alone(arguments: &Arguments, session: &mut Session, files: &[PathBuf]) -> Res
     Ok(())
 }
 
-/// Renders the scenes, each with what the first one took and pressed while the one before is traced. Gives the time to
-/// the first, seconds, and how many were traced again.
-fn beside(arguments: &Arguments, session: &Session, start: Instant) -> Result<(f64, u32)> {
+/// Renders the scenes, each pressed while the one before is traced. Gives the time to the first, seconds.
+fn beside(arguments: &Arguments, session: &Session, start: Instant) -> Result<f64> {
     let mut first = 0.0;
-    let (mut found, mut again): (Option<[f64; 2]>, u32) = (None, 0);
     std::thread::scope(|scope| -> Result<()> {
         // A press waits until the one before is taken.
         let (ready, images) = sync_channel(0);
@@ -134,31 +128,16 @@ fn beside(arguments: &Arguments, session: &Session, start: Instant) -> Result<(f
         for (number, image) in images.into_iter().enumerate() {
             let (mut prepared, label) = image?;
             let timer = Instant::now();
-            let mut work = found;
-            let (frame, outcome) = loop {
-                let settings = &mut prepared.settings;
-                settings.target_error = if work.is_none() { Some(arguments.error) } else { None };
-                if let Some([spp, photons]) = work {
-                    (settings.spp, settings.photons) = (spp.ceil() as u32, Some(photons as u64));
-                }
-                let shot = session.shoot(&prepared, &mut |_| true)?;
-                let more = shot.outcome.relative_error.map_or(1.0, |error| (error / arguments.error).powi(2));
-                let [spp, photons] = [shot.outcome.spp as f64, shot.outcome.photons as f64];
-                if more <= 1.0 || work.is_none() {
-                    found.get_or_insert([spp, MARGIN * photons]);
-                    break (shot.frame, shot.outcome);
-                }
-                again += 1;
-                work = Some([spp, photons].map(|work| MARGIN * more * work));
-            };
-            said(number, &label, timer, &frame, &outcome);
+            prepared.settings.target_error = Some(arguments.error);
+            let shot = session.shoot(&prepared, &mut |_| true)?;
+            said(number, &label, timer, &shot.frame, &shot.outcome);
             if number == 0 {
                 first = start.elapsed().as_secs_f64();
             }
         }
         Ok(())
     })?;
-    Ok((first, again))
+    Ok(first)
 }
 
 /// Prints what an image took.
@@ -196,13 +175,10 @@ fn main() -> Result<()> {
     } else {
         let start = Instant::now();
         let session = Session::open(BackendChoice::Auto, Precision::F32)?;
-        let (first, again) = beside(&arguments, &session, start)?;
+        let first = beside(&arguments, &session, start)?;
         let seconds = start.elapsed().as_secs_f64();
         let after = rate(arguments.images.saturating_sub(1), seconds - first);
-        println!(
-            "session: {:.1} images a minute, {after:.1} after the first; {again} attempts fell short",
-            rate(arguments.images, seconds)
-        );
+        println!("session: {:.1} images a minute, {after:.1} after the first", rate(arguments.images, seconds));
     }
     if let Some(program) = &arguments.program {
         let folder = std::env::temp_dir().join(format!("tirtouch-labelled-images-{}", std::process::id()));

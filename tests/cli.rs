@@ -27,6 +27,8 @@ mod estimate;
 mod examples;
 #[path = "cli/explore.rs"]
 mod explore;
+#[path = "cli/flags.rs"]
+mod flags;
 #[path = "cli/folders.rs"]
 mod folders;
 #[path = "cli/frames.rs"]

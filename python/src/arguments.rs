@@ -71,12 +71,7 @@ impl Asked {
 /// # Errors
 /// `ValueError` for another name.
 pub fn backend(name: &str) -> PyResult<BackendChoice> {
-    match name {
-        "auto" => Ok(BackendChoice::Auto),
-        "gpu" => Ok(BackendChoice::Gpu),
-        "cpu" => Ok(BackendChoice::Cpu),
-        _ => Err(PyValueError::new_err(format!("backend must be auto, gpu or cpu, is {name:?}"))),
-    }
+    name.parse().map_err(|why| PyValueError::new_err(format!("backend {name:?}: {why}")))
 }
 
 /// A choice by its name.
@@ -84,11 +79,7 @@ pub fn backend(name: &str) -> PyResult<BackendChoice> {
 /// # Errors
 /// `ValueError` for another name.
 pub fn precision(name: &str) -> PyResult<Precision> {
-    match name {
-        "f32" => Ok(Precision::F32),
-        "f64" => Ok(Precision::F64),
-        _ => Err(PyValueError::new_err(format!("precision must be f32 or f64, is {name:?}"))),
-    }
+    name.parse().map_err(|why| PyValueError::new_err(format!("precision {name:?}: {why}")))
 }
 
 /// A threshold in grey levels of a camera of so many bits: a number of levels, a text like `2%`, or the paper's.

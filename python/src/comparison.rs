@@ -9,8 +9,8 @@ use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use tirtouch::estimate;
 use tirtouch::failure::Failure;
-use tirtouch::film::{self, Film, compare::compare_paired};
-use tirtouch::image_io::{Provenance, read_radiance};
+use tirtouch::film;
+use tirtouch::image_io::Pair;
 
 /// Whether two images show the same light; ``bool(comparison)`` is ``passed``.
 #[pyclass(frozen, module = "tirtouch")]
@@ -68,28 +68,9 @@ pub fn compare(py: Python<'_>, a: PathBuf, b: PathBuf, level: f64, replicates: u
 }
 
 fn compared(a: &Path, b: &Path, level: f64, replicates: u32) -> Result<film::Comparison, Trouble> {
-    let (first, origin) = read(a, replicates)?;
-    let (second, other) = read(b, replicates)?;
-    let origins = origin.as_ref().zip(other.as_ref());
-    if let Some((one, other)) = origins.filter(|(one, other)| one.unit != other.unit) {
-        let message = format!("{}: its unit is {}, the first image's {}", b.display(), other.unit, one.unit);
-        return Err(Failure::input(message).in_file(b).into());
-    }
-    let found = match origins.is_some_and(|(one, other)| one.shares_random_numbers(other)) {
-        true => compare_paired(&first, &second, level),
-        false => film::compare(&first, &second, level),
-    };
+    let found = Pair::read(a, b, replicates).map_err(Failure::from)?.compare(level);
     found.map_err(|error| {
         let files = format!("{} and {}", a.display(), b.display());
         Failure::input(format!("{files}: {error}")).in_file(b).into()
     })
-}
-
-fn read(path: &Path, replicates: u32) -> Result<(Film, Option<Provenance>), Trouble> {
-    let inside = path.join("radiance.exr");
-    let (mut film, provenance) = read_radiance(if inside.is_file() { &inside } else { path })?;
-    if film.replicates == 0 {
-        film.replicates = replicates;
-    }
-    Ok((film, provenance))
 }

@@ -10,7 +10,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
-use tirtouch::calibrate::{FrameModel, Frames, Inferred, PressFrame, ready};
+use tirtouch::calibrate::{Frames, Inferred, Presses, check_depths, ready};
 use tirtouch::camera::top_grey;
 use tirtouch::estimate as read;
 use tirtouch::estimate::{Detected, GreyImage};
@@ -127,45 +127,25 @@ pub fn estimate(
     calibration: Option<Given>,
     scene: Option<&Bound<'_, Scene>>,
 ) -> Result<Estimates, Trouble> {
-    check_depths(&depths_mm, frames.len())?;
+    let told = check_depths(&depths_mm, frames.len());
+    told.map_err(|why| PyValueError::new_err(format!("depths_mm {why}")))?;
     check_forces(forces_n.as_deref(), force_error, frames.len())?;
     let frames = frames.iter().enumerate().map(|(k, frame)| Levels::of(frame, k)).collect::<PyResult<Vec<_>>>()?;
     let given = calibration.map(Given::model).transpose()?;
     let Some(model) = given.as_deref().or(ready()) else {
         return Ok(Estimates::undefined("no calibrated model".into()));
     };
-    if let Some(Err(why)) = scene.map(|scene| model.suits(&scene.get().loaded)) {
-        return Ok(Estimates::undefined(format!("the calibration does not suit: {why}")));
-    }
     let size = frames.first().map(Levels::size).unwrap_or_default();
-    let Some((camera, wavelength_nm)) = camera_of(model, scene, size) else {
-        let [width, height] = size;
-        let why = format!("{width} x {height} pixels do not fill the calibration's sensor");
-        return Ok(Estimates::undefined(why));
+    let camera = match model.camera_of(scene.map(|scene| &*scene.get().loaded), size) {
+        Ok(camera) => camera,
+        Err(why) => return Ok(Estimates::undefined(why)),
     };
-    let images = frames.iter().enumerate().map(|(k, frame)| frame.image(k, &camera));
+    let images = frames.iter().enumerate().map(|(k, frame)| frame.image(k, &camera.0));
     let images = images.collect::<PyResult<Vec<_>>>()?;
-    let found = py.detach(|| {
-        let force_n = |k: usize| forces_n.as_ref()?.get(k).copied();
-        let each = depths_mm.iter().zip(&images).enumerate();
-        let frames = each.map(|(k, (depth_mm, image))| PressFrame { depth_mm: *depth_mm, image, force_n: force_n(k) });
-        model.inverted(&Frames { camera: &camera, wavelength_nm, frames: frames.collect(), force_error })
-    });
+    let forces_n = forces_n.as_deref().unwrap_or_default();
+    let presses = Presses { depths_mm: &depths_mm, forces_n, force_error };
+    let found = py.detach(|| model.inverted(&Frames::of(&camera, &images, presses)));
     Ok(Estimates::of(found.0, Some(found.1)))
-}
-
-fn check_depths(depths_mm: &[f64], frames: usize) -> PyResult<()> {
-    if depths_mm.len() != frames || frames == 0 {
-        let message = format!(
-            "depths_mm gives {} depths for {frames} frames: each frame needs the depth of its press",
-            depths_mm.len()
-        );
-        return Err(PyValueError::new_err(message));
-    }
-    match depths_mm.iter().enumerate().find(|(k, depth)| depths_mm[..*k].contains(depth)) {
-        Some((_, twice)) => Err(PyValueError::new_err(format!("depths_mm gives {twice} twice"))),
-        None => Ok(()),
-    }
 }
 
 fn check_forces(forces_n: Option<&[f64]>, force_error: f64, frames: usize) -> PyResult<()> {
@@ -180,17 +160,6 @@ fn check_forces(forces_n: Option<&[f64]>, force_error: f64, frames: usize) -> Py
     match forces_n.iter().find(|force_n| !positive(**force_n)) {
         Some(wrong) => Err(PyValueError::new_err(format!("forces_n must be finite numbers above 0, one is {wrong}"))),
         None => Ok(()),
-    }
-}
-
-/// The camera of the frames, and the wavelength of its light.
-fn camera_of(model: &FrameModel, scene: Option<&Bound<'_, Scene>>, size: [u32; 2]) -> Option<(Camera, f64)> {
-    match scene {
-        Some(scene) => {
-            let scene = &scene.get().loaded.scene;
-            Some((scene.camera.clone(), scene.light.wavelength_nm))
-        }
-        None => model.camera(size),
     }
 }
 

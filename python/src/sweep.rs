@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use tirtouch::output::RESULT;
 use tirtouch::scene;
-use tirtouch::sweep::{self, Options, Status, by_hand};
+use tirtouch::sweep::{self, Options, Shard, Status, by_hand};
 
 /// The copy of the scene in the folder of a sweep: what the sweep of a scene that is there already names.
 const SCENE: &str = "scene.toml";
@@ -254,9 +254,8 @@ impl Sweep {
 /// # Errors
 /// `ValueError` for numbers that make no sense.
 pub fn options(shard: Option<(u32, u32)>, workers: Option<usize>, retry: bool) -> PyResult<Options> {
-    if shard.is_some_and(|(k, n)| !(1..=n).contains(&k)) {
-        return Err(PyValueError::new_err("shard must be (k, n) with k from 1 to n"));
-    }
+    let wrong = || PyValueError::new_err("shard must be (k, n) with k from 1 to n");
+    let shard = shard.map(|(k, n)| Shard::new(k, n).ok_or_else(wrong)).transpose()?;
     if workers.is_some_and(|workers| !(1..=MOST_WORKERS).contains(&workers)) {
         return Err(PyValueError::new_err(format!("workers must be from 1 to {MOST_WORKERS}")));
     }

@@ -36,6 +36,55 @@ pub struct PressFrame<'a> {
 /// Relative standard deviation of a force, where nothing is said of it.
 pub const FORCE_ERROR: f64 = 0.01;
 
+/// Whether depths are those of so many frames.
+///
+/// # Errors
+/// Says what of them is not.
+pub fn check_depths(depths_mm: &[f64], frames: usize) -> Result<(), String> {
+    let depths = depths_mm.len();
+    if depths != frames || frames == 0 {
+        return Err(format!("gives {depths} depths for {frames} frames: each frame needs the depth of its press"));
+    }
+    let mut twice = depths_mm.iter().enumerate().filter(|(k, depth)| depths_mm[..*k].contains(depth));
+    twice.next().map_or(Ok(()), |(_, depth)| Err(format!("gives {depth} twice")))
+}
+
+/// Whether forces are those of so many frames; none are.
+///
+/// # Errors
+/// Says that they are not.
+pub fn check_forces(forces_n: &[f64], frames: usize) -> Result<(), String> {
+    let forces = forces_n.len();
+    match forces == 0 || forces == frames {
+        true => Ok(()),
+        false => Err(format!("gives {forces} forces for {frames} frames")),
+    }
+}
+
+impl<'a> Frames<'a> {
+    /// Frames with the depth, mm, and where it was measured the force, N, of each one's press.
+    pub fn of((camera, wavelength_nm): &'a (Camera, f64), images: &'a [GreyImage], press: Presses<'_>) -> Self {
+        let Presses { depths_mm, forces_n, force_error } = press;
+        let frame = |(k, image): (usize, &'a GreyImage)| {
+            let depth_mm = depths_mm.get(k).copied()?;
+            Some(PressFrame { depth_mm, image, force_n: forces_n.get(k).copied() })
+        };
+        let frames = images.iter().enumerate().filter_map(frame).collect();
+        Self { camera, wavelength_nm: *wavelength_nm, frames, force_error }
+    }
+}
+
+/// What is known of the presses of frames.
+#[derive(Debug, Clone, Copy)]
+pub struct Presses<'a> {
+    /// Their depths, mm.
+    pub depths_mm: &'a [f64],
+    /// Their forces, N; none where they were not measured.
+    pub forces_n: &'a [f64],
+    /// Relative standard deviation of the forces.
+    pub force_error: f64,
+}
+
 impl Frames<'_> {
     /// The frame of a load.
     pub(super) fn at(&self, depth_mm: f64) -> Option<&PressFrame<'_>> {

@@ -21,7 +21,7 @@ pub use bound::{Bounds, Inclusion, Limits, Protocol};
 pub use estimates::{Inferred, InferredUnknown, LedPower};
 pub use file::{CalibrationFile, Folders, Parts, Trainings};
 pub(crate) use frames::SAME_DEPTH;
-pub use frames::{FORCE_ERROR, Frames, PressFrame};
+pub use frames::{FORCE_ERROR, Frames, PressFrame, Presses, check_depths, check_forces};
 pub use model::FrameModel;
 pub use ready::{estimates_of, ready};
 pub use training::Training;

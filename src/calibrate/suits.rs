@@ -3,7 +3,7 @@
 use super::FrameModel;
 use super::estimates::short;
 use super::model::Role;
-use crate::scene::{LoadedScene, Scene, parse};
+use crate::scene::{Camera, LoadedScene, Scene, parse};
 use crate::vary::KeyPath;
 use std::path::Path;
 
@@ -30,6 +30,20 @@ impl FrameModel {
                 Some(format!("it was learnt of {key} from {} to {}, the scene has {value}", short(low), short(high)))
             });
         outside.next().map_or(Ok(()), Err)
+    }
+
+    /// The camera that took frames of so many pixels, and the wavelength of its light: that of a scene, else the
+    /// calibration's own.
+    ///
+    /// # Errors
+    /// Says why there is none.
+    pub fn camera_of(&self, scene: Option<&LoadedScene>, [width, height]: [u32; 2]) -> Result<(Camera, f64), String> {
+        if let Some(loaded) = scene {
+            self.suits(loaded).map_err(|why| format!("the calibration does not suit: {why}"))?;
+            return Ok((loaded.scene.camera.clone(), loaded.scene.light.wavelength_nm));
+        }
+        let own = self.camera([width, height]);
+        own.ok_or_else(|| format!("{width} x {height} pixels do not fill the calibration's sensor"))
     }
 
     /// A scene without what may differ, as it would be written with all its keys: those that a text leaves to their

@@ -5,12 +5,11 @@ use super::command::described;
 use super::flags::positive;
 use super::sweep::How;
 use super::{Failure, Outcome, cancel, note};
-use crate::calibrate::{CalibrationFile, FrameModel, Inclusion, Limits, Protocol};
-use crate::figure::Figure;
-use crate::pages::bound::{self, Row};
+use crate::calibrate::{CalibrationFile, FrameModel, Protocol};
+use crate::pages::bound;
 use clap::Args;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Name of the file that is learnt.
 const FILE: &str = "calibration.json";
@@ -52,11 +51,13 @@ impl Calibrate {
             return calibrate_sensor::run(&self.calibration, self.how.as_common());
         }
         let parts = CalibrationFile::load(&self.calibration)?.calibrate;
-        let name = self.calibration.file_stem().unwrap_or_default();
-        let out = self.how.place_or(|| PathBuf::from("out").join(name));
+        let out = self.how.place.named(&self.calibration.file_stem().unwrap_or_default().to_string_lossy());
         let folders = self.how.parts(&out, |work| parts.folders(work))?;
         if !folders.is_whole {
-            return self.wait(&out);
+            let told = json!({"phantoms": null, "scores": null, "file": null});
+            let next = "the same command without --engine and --shard goes on, and learns";
+            let said = format!("{}: not all points are there yet; {next}", out.display());
+            return self.how.talk.tell(described(told, Some(&out)), said);
         }
         let trainings = folders.read()?;
         let phantoms = trainings.design.points.len();
@@ -75,40 +76,19 @@ impl Calibrate {
     /// Bounds by the calibration, for inclusions over its range.
     fn bounds(&self) -> Result<Outcome, Failure> {
         let model = FrameModel::load(&self.calibration)?;
-        let frames = if self.frames.is_empty() { vec![1; model.depths_mm.len()] } else { self.frames.clone() };
-        if frames.len() != model.depths_mm.len() {
-            let loads = model.depths_mm.len();
-            return Err(Failure::usage(format!(
-                "--frames: give {loads} numbers, one for each load of the calibration"
-            )));
-        }
-        if frames.iter().all(|count| *count == 0) {
-            return Err(Failure::usage("--frames: give at least one frame"));
+        let loads = model.depths_mm.len();
+        let frames = if self.frames.is_empty() { vec![1; loads] } else { self.frames.clone() };
+        if frames.len() != loads || frames.iter().all(|count| *count == 0) {
+            let message =
+                format!("--frames: give {loads} numbers, one for each load of the calibration, and not only 0");
+            return Err(Failure::usage(message));
         }
         let (mut camera, wavelength_nm) = model.own_camera()?;
         camera.sensor.bit_depth = self.bits.unwrap_or(camera.sensor.bit_depth);
         let protocol =
             Protocol { camera, wavelength_nm, exposure_ms: self.exposure_ms, frames, force_error: self.force_error };
-        let limits = Limits::of(&model)?;
-        let row = |inclusion: Inclusion| {
-            cancel::check()?;
-            let of = |whole| limits.bounds(&inclusion, &protocol, whole).map_or_else(Figure::undefined, Figure::Known);
-            Ok(Row { inclusion, frames: of(false), calibrated: of(true) })
-        };
-        let rows = model.some_inclusions().into_iter().map(row).collect::<Result<Vec<_>, Failure>>()?;
+        let rows = bound::rows(&model, &protocol, &|| !cancel::requested())?.ok_or_else(Failure::cancelled)?;
         let told = json!({"depths_mm": model.depths_mm, "frames": protocol.frames, "bounds": rows});
         self.how.talk.tell(described(told, None), bound::text(&rows))
-    }
-
-    /// Says that others have points to compute yet.
-    fn wait(&self, out: &Path) -> Result<Outcome, Failure> {
-        let told = json!({"phantoms": null, "scores": null, "file": null});
-        self.how.talk.tell(
-            described(told, Some(out)),
-            format!(
-                "{}: not all points are there yet; the same command without --engine and --shard goes on, and learns",
-                out.display()
-            ),
-        )
     }
 }

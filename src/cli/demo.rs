@@ -1,12 +1,12 @@
 //! `demo`: the whole job on a scene that comes with the program.
 
+use super::flags::SceneFile;
 use super::job::Job;
 use super::measure::SceneReading;
 use super::run::whole_job;
 use super::{Common, Failure, Outcome, print};
-use crate::output::OutputFolder;
+use crate::vary::Set;
 use clap::Args;
-use std::path::{Path, PathBuf};
 
 /// The demo's scene.
 const SCENE: &str = "preset:phantom-size-8mm";
@@ -18,6 +18,9 @@ const SPP: u32 = 32;
 /// A second run replaces the folder out/demo of the first.
 #[derive(Debug, Args)]
 pub(super) struct Demo {
+    /// Set a key of the scene, as in `stack.layer[0].n=1.42`; may be given again.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<Set>,
     #[command(flatten)]
     common: Common,
 }
@@ -29,9 +32,10 @@ impl Demo {
         if !budget {
             common.spp.get_or_insert(SPP);
         }
-        let place = common.out.clone().unwrap_or_else(|| PathBuf::from("out/demo"));
-        let folder = OutputFolder::create(&place, common.force || common.out.is_none())?;
-        let job = Job::read(Path::new(SCENE), &common)?;
+        let place = &mut common.place;
+        place.force |= place.out.is_none();
+        let folder = place.take("demo")?;
+        let job = Job::read(&SceneFile { scene: SCENE.into(), set: self.set.clone() }, &common)?;
         let reading = SceneReading { subtract_baseline: true, ..SceneReading::default() };
         let out = whole_job(job, &reading, &common, folder)?;
         if !(common.talk.json || common.talk.quiet) {

@@ -7,8 +7,6 @@
 
 use super::Failure;
 use crate::mechanics::memory::{VARIABLE, parsed};
-#[cfg(target_os = "linux")]
-use crate::trace::drivers;
 
 /// Whether this program's own variables make sense.
 ///
@@ -24,19 +22,14 @@ pub(super) fn check() -> Result<(), Failure> {
 }
 
 /// Starts the program again where its drivers would do worse in this environment; comes back where not.
-#[cfg(target_os = "linux")]
 pub(super) fn settle() {
-    use std::os::unix::process::CommandExt as _;
-    let wanted = drivers::environment();
-    if wanted.is_empty() {
-        return;
-    }
-    let mut arguments = std::env::args_os();
-    if let (Ok(program), Some(name)) = (std::env::current_exe(), arguments.next()) {
-        drop(std::process::Command::new(program).arg0(name).args(arguments).envs(wanted).exec());
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::unix::process::CommandExt as _;
+        let wanted = crate::trace::drivers::environment();
+        let mut arguments = std::env::args_os();
+        if let (false, Ok(program), Some(name)) = (wanted.is_empty(), std::env::current_exe(), arguments.next()) {
+            drop(std::process::Command::new(program).arg0(name).args(arguments).envs(wanted).exec());
+        }
     }
 }
-
-/// Nothing to settle here.
-#[cfg(not(target_os = "linux"))]
-pub(super) fn settle() {}

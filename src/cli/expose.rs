@@ -1,16 +1,14 @@
 //! `expose`: another frame of light that is traced already.
 
 use super::command;
-use super::flags::positive;
+use super::flags::{Place, positive};
 use super::job::note_exposure;
 use super::{Failure, Outcome, Talk, note};
-use crate::film::Film;
-use crate::image_io::{Provenance, read_radiance};
-use crate::output::OutputFolder;
+use crate::image_io::read_radiance;
 use crate::pages::exposure::{Exposure, changed};
 use crate::scene::{LoadedScene, load_alone, open};
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Make a camera frame of a rendered folder's radiance.exr, with another exposure or bit depth, without tracing again.
 #[derive(Debug, Args)]
@@ -29,12 +27,8 @@ pub(super) struct Expose {
     /// Seed of the camera's noise [default: that of the frame made when it was rendered].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u32>,
-    /// Folder to write, in whole or not at all [default: out/NAME-exposed].
-    #[arg(short, long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace the folder if it exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    place: Place,
     #[command(flatten)]
     talk: Talk,
 }
@@ -42,15 +36,18 @@ pub(super) struct Expose {
 impl Expose {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let loaded = self.scene()?;
-        let name = format!("{}-exposed", loaded.scene.name);
-        let place = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(name));
-        let folder = OutputFolder::create(&place, self.force)?;
+        let folder = self.place.take(&format!("{}-exposed", loaded.scene.name))?;
         let image = match self.folder.is_dir() {
             true => self.folder.join("radiance.exr"),
             false => self.folder.clone(),
         };
         let (film, provenance) = read_radiance(&image)?;
-        let exposure = self.expose(loaded, &film, provenance.as_ref(), &image)?;
+        let other = provenance.as_ref().is_some_and(|origin| origin.scene_sha256 != loaded.sha256);
+        if other && !self.talk.quiet {
+            note(&format!("{}: was rendered of another scene file; the camera is that of this one", image.display()));
+        }
+        let exposure = Exposure::of(loaded, &film, provenance.as_ref(), self.seed)
+            .map_err(|error| Failure::input(format!("{}: {error}", image.display())).in_file(&image))?;
         note_exposure(&exposure.suited, exposure.loaded.scene.camera.sensor.exposure_ms, self.talk.quiet);
         exposure.frame.write_png(&folder.path("camera.png"))?;
         folder.write("camera_false_color.svg", &exposure.picture()?)?;
@@ -72,20 +69,5 @@ impl Expose {
         };
         changed(loaded, self.exposure_ms, self.bit_depth)
             .map_err(|broken| Failure::usage(broken.to_string()).at_key(broken.key))
-    }
-
-    fn expose(
-        &self,
-        loaded: LoadedScene,
-        film: &Film,
-        provenance: Option<&Provenance>,
-        image: &Path,
-    ) -> Result<Exposure, Failure> {
-        let other = provenance.is_some_and(|origin| origin.scene_sha256 != loaded.sha256);
-        if other && !self.talk.quiet {
-            note(&format!("{}: was rendered of another scene file; the camera is that of this one", image.display()));
-        }
-        Exposure::of(loaded, film, provenance, self.seed)
-            .map_err(|error| Failure::input(format!("{}: {error}", image.display())).in_file(image))
     }
 }

@@ -1,10 +1,11 @@
 //! Flags that commands share.
 
-use super::{Failure, Outcome, print};
-use crate::scene::IntegratorChoice;
-use crate::trace::{self, BackendChoice, Devices, Settings};
-use crate::vary::Set;
-use clap::{Args, ValueEnum};
+use super::{Failure, Outcome, note, print};
+use crate::output::OutputFolder;
+use crate::scene::{IntegratorChoice, LoadedScene, open};
+use crate::trace::{BackendChoice, Devices, Precision, Settings};
+use crate::vary::{self, Set};
+use clap::Args;
 use std::fmt::Display;
 use std::path::PathBuf;
 
@@ -27,26 +28,90 @@ impl Talk {
     }
 }
 
-/// Flags of the commands that compute and write a folder.
+/// The folder that a command writes.
 #[derive(Debug, Clone, Default, Args)]
-pub struct Common {
-    /// Folder to write, in whole or not at all [default: out/NAME].
+pub struct Place {
+    /// Folder to write, in whole or not at all [default: in out/, by the name of what it is of].
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace the folder, if this program wrote all that it holds.
     #[arg(long)]
     pub force: bool,
+}
+
+impl Place {
+    /// The folder: `out/NAME` unless one is given.
+    #[must_use]
+    pub fn named(&self, name: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(name))
+    }
+
+    /// Takes it.
+    ///
+    /// # Errors
+    /// When something is there that is not to be replaced, or it cannot be written.
+    pub fn take(&self, name: &str) -> Result<OutputFolder, Failure> {
+        Ok(OutputFolder::create(&self.named(name), self.force)?)
+    }
+}
+
+/// What traces.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub struct Backend {
+    /// The GPU where there is one, else the CPU (auto), the GPU or fail (gpu), the CPU twin (cpu).
+    #[arg(long, value_name = "auto|gpu|cpu", default_value = "auto")]
+    pub backend: BackendChoice,
+}
+
+impl Backend {
+    /// Opens it, and says what was taken in its place unless `quiet`.
+    pub(super) fn open(self, quiet: bool) -> Result<Devices, Failure> {
+        let devices = Devices::open(self.backend, Precision::F32)?;
+        if let (Some(notice), false) = (devices.notice(), quiet) {
+            note(notice);
+        }
+        Ok(devices)
+    }
+}
+
+/// A scene, with keys set by hand.
+#[derive(Debug, Clone, Args)]
+pub struct SceneFile {
+    /// Scene file, or preset:NAME for a scene that comes with the program.
+    pub scene: PathBuf,
+    /// Set a key of the scene, as in `stack.layer[0].n=1.42`; may be given again.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<Set>,
+}
+
+impl SceneFile {
+    /// Reads it; with the name it goes by in messages.
+    ///
+    /// # Errors
+    /// A scene that is none.
+    pub fn open(&self) -> Result<(LoadedScene, PathBuf), Failure> {
+        let (loaded, file) = open(&self.scene)?;
+        Ok((vary::with(loaded, &file, &self.set)?, file))
+    }
+}
+
+/// Flags of the commands that compute and write a folder.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Common {
+    #[command(flatten)]
+    #[allow(missing_docs)] // a doc comment here would replace the command's help
+    pub place: Place,
     /// Seed of all random numbers [default: the scene's].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub seed: Option<u32>,
     /// Draw the same random numbers for every image of this seed: loads, baseline, other scenes.
     #[arg(long)]
     pub common_random_numbers: bool,
-    /// Where to compute.
-    #[arg(long, value_enum, default_value_t)]
+    #[command(flatten)]
+    #[allow(missing_docs)] // as above
     pub backend: Backend,
     /// Arithmetic; f64 on the cpu only.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_name = "f32|f64", default_value = "f32")]
     pub precision: Precision,
     /// Light-transport method [default: the scene's].
     #[arg(long, value_name = "auto|path|splat|map")]
@@ -66,46 +131,9 @@ pub struct Common {
     /// Press the phantom without its inclusions, on the same mesh: makes a reference frame.
     #[arg(long)]
     pub without_inclusions: bool,
-    /// Set a key of the scene, as in `stack.layer[0].n=1.42`; may be given again.
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<Set>,
     #[command(flatten)]
-    #[allow(missing_docs)] // a doc comment here would replace the command's help
+    #[allow(missing_docs)] // as above
     pub talk: Talk,
-}
-
-/// Where to compute.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum Backend {
-    /// The GPU where there is one, else the CPU.
-    #[default]
-    Auto,
-    /// The GPU, or fail.
-    Gpu,
-    /// The CPU twin.
-    Cpu,
-}
-
-/// Floating-point arithmetic.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum Precision {
-    /// 32 bits.
-    #[default]
-    F32,
-    /// 64 bits, on the CPU.
-    F64,
-}
-
-impl Backend {
-    /// The tracer's word for it.
-    #[must_use]
-    pub fn choice(self) -> BackendChoice {
-        match self {
-            Self::Auto => BackendChoice::Auto,
-            Self::Gpu => BackendChoice::Gpu,
-            Self::Cpu => BackendChoice::Cpu,
-        }
-    }
 }
 
 impl Common {
@@ -114,14 +142,13 @@ impl Common {
     /// # Errors
     /// When they ask for f64 on the GPU, or for a GPU that is not there.
     pub fn devices(&self) -> Result<Devices, Failure> {
-        let precision = match (self.backend, self.precision) {
-            (Backend::Gpu, Precision::F64) => {
-                return Err(Failure::usage("the gpu computes in f32 only; f64 needs `--backend cpu`"));
+        let choice = self.backend.backend;
+        match (choice, self.precision) {
+            (BackendChoice::Gpu, Precision::F64) => {
+                Err(Failure::usage("the gpu computes in f32 only; f64 needs `--backend cpu`"))
             }
-            (_, Precision::F32) => trace::Precision::F32,
-            (_, Precision::F64) => trace::Precision::F64,
-        };
-        Ok(Devices::open(self.backend.choice(), precision)?)
+            (_, precision) => Ok(Devices::open(choice, precision)?),
+        }
     }
 
     /// How to render a scene: its own settings where no flag says otherwise.
@@ -135,12 +162,6 @@ impl Common {
             target_error: self.target_error,
             seed: self.seed.unwrap_or(scene.seed),
         }
-    }
-
-    /// The folder to write, `out/NAME` unless one is given.
-    #[must_use]
-    pub fn destination(&self, name: &str) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(name))
     }
 }
 
@@ -165,82 +186,4 @@ pub(super) fn not_negative(text: &str) -> Result<f64, String> {
 /// A probability strictly between 0 and 1.
 pub(super) fn probability(text: &str) -> Result<f64, String> {
     positive(text).ok().filter(|number| *number < 1.0).ok_or_else(|| "it must be a number between 0 and 1".into())
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-    use clap::Parser;
-
-    #[derive(Debug, Parser)]
-    struct Line {
-        #[command(flatten)]
-        common: Common,
-    }
-
-    fn parse(flags: &[&str]) -> Result<Common, String> {
-        let line = std::iter::once(&"tirtouch").chain(flags);
-        Line::try_parse_from(line).map(|line| line.common).map_err(|error| error.to_string())
-    }
-
-    #[test]
-    fn flags_arrive() {
-        let common = parse(&["-o", "x", "--force", "--seed", "7", "--integrator", "map", "--seconds", "1e2"]).unwrap();
-        assert_eq!(common.destination("scene"), PathBuf::from("x"));
-        assert_eq!(common.seed, Some(7));
-        assert_eq!(common.integrator, Some(IntegratorChoice::Map));
-        assert_eq!(common.seconds, Some(100.0));
-        assert!(common.force && !common.talk.json);
-        assert_eq!(parse(&[]).unwrap().destination("scene"), PathBuf::from("out/scene"));
-    }
-
-    #[test]
-    fn numbers_that_make_no_sense_are_refused() {
-        for flags in [
-            ["--seconds", "0"],
-            ["--seconds", "-1"],
-            ["--seconds", "inf"],
-            ["--target-error", "nan"],
-            ["--target-error", "-0.1"],
-            ["--spp", "0"],
-            ["--spp", "-4"],
-            ["--photons", "0"],
-            ["--seed", "-1"],
-            ["--seed", "4294967296"],
-            ["--integrator", "bdpt"],
-            ["--backend", "tpu"],
-        ] {
-            let refusal = parse(&flags).unwrap_err();
-            assert!(refusal.contains(flags[0]), "{flags:?}: {refusal}");
-        }
-        assert!(probability("1").is_err() && probability("0").is_err() && probability("1e-9").is_ok());
-    }
-
-    #[test]
-    fn budgets_exclude_each_other_and_fixed_samples() {
-        for flags in [
-            ["--seconds", "1", "--spp", "4"],
-            ["--seconds", "1", "--photons", "4"],
-            ["--seconds", "1", "--target-error", "0.1"],
-            ["--target-error", "0.1", "--spp", "4"],
-            ["--photons", "9", "--target-error", "0.1"],
-        ] {
-            assert!(parse(&flags).unwrap_err().contains("cannot be used with"), "{flags:?}");
-        }
-    }
-
-    #[test]
-    fn flags_win_over_the_scene() {
-        let scene = crate::scene::Render { spp: 9, photons: Some(7), seed: 5, ..Default::default() };
-        let settings = parse(&["--spp", "3"]).unwrap().settings(&scene);
-        assert_eq!((settings.spp, settings.photons, settings.seed), (3, Some(7), 5));
-    }
-
-    #[test]
-    fn f64_goes_to_the_cpu_and_never_to_the_gpu() {
-        assert!(!parse(&["--precision", "f64"]).unwrap().devices().unwrap().is_gpu());
-        let refused = parse(&["--precision", "f64", "--backend", "gpu"]).unwrap().devices().err().unwrap();
-        assert_eq!(refused.code(), 2);
-    }
 }

@@ -1,14 +1,12 @@
 //! `frames`: pressure frames of a scanned indenter and their features.
 
-mod source;
-
 use super::command;
-use super::flags::{finite, not_negative, positive};
-use super::{Failure, Outcome, Progress, Talk, cancel, note};
-use crate::estimate::tissue::{self, Question, Tissue, noisy};
-use crate::mechanics::frames::Frames;
-use crate::output::OutputFolder;
-use crate::pages::frames::{Pictures, Reading};
+use super::flags::{Place, finite, not_negative, positive};
+use super::job::watching;
+use super::{Failure, Outcome, Talk, note};
+use crate::estimate::tissue::{self, Question, noisy};
+use crate::mechanics::frames::FramesError;
+use crate::pages::frames::{Input, Pictures, Reading};
 use crate::scene::{LoadedScan, open_scan};
 use clap::Args;
 use std::path::PathBuf;
@@ -50,36 +48,39 @@ pub(super) struct FramesCommand {
     /// Position of the frame that is shown by itself, mm; the nearest is taken.
     #[arg(long, value_name = "X", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
     show_mm: f64,
-    /// Folder to write, in whole or not at all [default: out/NAME].
-    #[arg(short, long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace the folder, if this program wrote all that it holds.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    place: Place,
     #[command(flatten)]
     talk: Talk,
 }
 
 impl FramesCommand {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let input = source::read(self.scene.as_deref(), self.measured.as_deref())?;
+        let input = match (&self.scene, &self.measured) {
+            (Some(scene), None) => Input::scene_of(scene)?,
+            (None, Some(file)) => Input::measured(file)?,
+            _ => return Err(Failure::usage("give either a scan scene or `--measured CSV`")),
+        };
+        let &Self { by_force, free_depth, noise_kpa, seed, .. } = self;
         let known = self.known(&input)?;
-        let place = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(input.name()));
-        let folder = OutputFolder::create(&place, self.force)?;
+        let folder = self.place.take(&input.name())?;
         let window_mm = self.window_mm.or(known.as_ref().map_or(input.window_mm(), |known| known.scene.scan.window_mm));
-        let mut source = input.frames(self.show_mm, self.talk.quiet)?;
+        let mut source = input.frames(self.show_mm, &watching(self.talk.quiet))?;
         if let (Some(file), Some(known)) = (&self.calibration, &known) {
             source.provenance.push((format!("{}'s SHA-256", file.display()), known.sha256.clone()));
             source.inputs.insert(file.clone(), known.sha256.clone());
         }
-        let features =
-            source.features(window_mm, self.noise_kpa).map_err(|error| Failure::failed(error.to_string()))?;
+        let failed = |error: FramesError| Failure::failed(error.to_string());
+        let features = source.features(window_mm, noise_kpa).map_err(failed)?;
         let shown = source.nearest(self.show_mm);
-        let noisy = self.invert.then(|| noisy(&source.frames, self.noise_share, self.seed)).transpose();
-        let noisy = noisy.map_err(|error| Failure::failed(error.to_string()))?;
+        let noisy = self.invert.then(|| noisy(&source.frames, self.noise_share, seed)).transpose().map_err(failed)?;
         let frames = noisy.as_ref().unwrap_or(&source.frames);
-        let tissue = known.map(|known| self.tissue(frames, &known, window_mm)).transpose()?;
-        let reading = Reading { source, features, window_mm, noise_kpa: self.noise_kpa, shown, tissue, noisy };
+        let seek = |scene: &LoadedScan| {
+            let question = Question { scene, by_force, free_depth, window_mm, noise_kpa, seed };
+            tissue::invert(frames, &question, &watching(self.talk.quiet))
+        };
+        let tissue = known.as_ref().map(seek).transpose()?;
+        let reading = Reading { source, features, window_mm, noise_kpa, shown, tissue, noisy };
         if !self.talk.quiet {
             reading.notes().iter().for_each(|line| note(line));
         }
@@ -90,7 +91,7 @@ impl FramesCommand {
     }
 
     /// What is known beside the frames, where the tissue is to be estimated.
-    fn known(&self, input: &source::Input) -> Result<Option<LoadedScan>, Failure> {
+    fn known(&self, input: &Input) -> Result<Option<LoadedScan>, Failure> {
         let known = match &self.calibration {
             Some(file) => Some(open_scan(file)?),
             None => input.scene().filter(|_| self.invert).map(|(scene, file)| (scene.clone(), file.to_path_buf())),
@@ -101,22 +102,5 @@ impl FramesCommand {
         let Some((known, file)) = known else { return Ok(None) };
         tissue::check(&known, self.by_force).map_err(|error| Failure::from(error).in_file(&file))?;
         Ok(Some(known))
-    }
-
-    fn tissue(&self, frames: &Frames, known: &LoadedScan, window_mm: Option<f64>) -> Result<Tissue, Failure> {
-        let question = Question {
-            scene: known,
-            by_force: self.by_force,
-            free_depth: self.free_depth,
-            window_mm,
-            noise_kpa: self.noise_kpa,
-            seed: self.seed,
-        };
-        let progress = Progress::new(self.talk.quiet);
-        let tissue = tissue::invert(frames, &question, &|stage| {
-            progress.observe(stage.done, stage.what);
-            !cancel::requested()
-        })?;
-        Ok(tissue)
     }
 }

@@ -1,19 +1,18 @@
 //! `inspect`: what was understood of a scene, and what a render of it would do.
 
-use super::job::{check_light, open_with, watched};
+use super::flags::SceneFile;
+use super::job::{check_light, watched};
 use super::{Failure, Outcome, Talk};
 use crate::pages::inspection::Inspection;
 use crate::trace::{BackendChoice, Devices, Precision};
-use crate::vary::Set;
 use clap::Args;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Show what was understood of a scene: angles, regimes, kernel pieces, adapter.
 #[derive(Debug, Args)]
 pub(super) struct Inspect {
-    /// Scene file, or preset:NAME for a scene that comes with the program.
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneFile,
     /// Measure what it gains to leave out what the scene does not need: small images with each piece and without, in
     /// turn.
     #[arg(long)]
@@ -21,16 +20,13 @@ pub(super) struct Inspect {
     /// Rounds of that.
     #[arg(long, value_name = "N", default_value_t = 5, requires = "gains", value_parser = clap::value_parser!(u32).range(2..=100), allow_negative_numbers = true)]
     rounds: u32,
-    /// Set a key of the scene, as in `stack.layer[0].n=1.42`; may be given again.
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<Set>,
     #[command(flatten)]
     talk: Talk,
 }
 
 impl Inspect {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (loaded, file) = open_with(&self.scene, &self.set)?;
+        let (loaded, file) = self.scene.open()?;
         if self.gains {
             check_light(&loaded, &file)?;
         }

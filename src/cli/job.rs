@@ -1,15 +1,13 @@
 //! A scene's way through the pipeline, with progress and with words for what goes wrong.
 
-use super::{Common, Failure, PressFailure, Progress, cancel, note};
+use super::flags::SceneFile;
+use super::{Common, Failure, Progress, cancel, note};
 use crate::camera::Suited;
-use crate::mechanics::press::Pressed;
 use crate::pages::exposure::unsuited;
-use crate::pipeline::{Order, PipelineError, Prepared, Session, Shot, guides_light};
-use crate::progress::Observer;
-use crate::scene::{LoadedScene, open};
+use crate::pipeline::{Order, Prepared, Session, Shot, guides_light};
+use crate::progress::{Observer, Stage};
+use crate::scene::LoadedScene;
 use crate::streams::Sharing;
-use crate::trace::{Devices, Precision};
-use crate::vary::{self, Set};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -22,12 +20,6 @@ pub(super) struct Job {
     quiet: bool,
 }
 
-/// The scene of a file or a preset with keys set by hand, and the name it goes by in messages.
-pub(super) fn open_with(source: &Path, sets: &[Set]) -> Result<(LoadedScene, PathBuf), Failure> {
-    let (loaded, file) = open(source)?;
-    Ok((vary::with(loaded, &file, sets)?, file))
-}
-
 /// Refuses a scene whose light cannot be traced.
 pub(super) fn check_light(loaded: &LoadedScene, file: &Path) -> Result<(), Failure> {
     guides_light(loaded).map_err(|error| Failure::of_scene(error, file))
@@ -35,8 +27,8 @@ pub(super) fn check_light(loaded: &LoadedScene, file: &Path) -> Result<(), Failu
 
 impl Job {
     /// Loads a scene, checks that the flags suit it, and opens what traces, before any work.
-    pub fn read(source: &Path, common: &Common) -> Result<Self, Failure> {
-        let (loaded, file) = open_with(source, &common.set)?;
+    pub fn read(source: &SceneFile, common: &Common) -> Result<Self, Failure> {
+        let (loaded, file) = source.open()?;
         let order = Order {
             settings: common.settings(&loaded.scene.render),
             sharing: if common.common_random_numbers { Sharing::Common } else { Sharing::Own },
@@ -50,11 +42,6 @@ impl Job {
         let session = common.devices()?.into();
         check_light(&loaded, &file)?;
         Ok(Self { loaded: Arc::new(loaded), session, order, file, quiet: common.talk.quiet })
-    }
-
-    /// Name of the scene.
-    pub fn name(&self) -> &str {
-        &self.loaded.scene.name
     }
 
     /// Presses the scene's phantom, if it has one, and makes its last load ready.
@@ -86,28 +73,18 @@ impl Job {
     }
 }
 
-/// Presses a scene that may guide no light, showing how far it is.
-pub(super) fn press_scene(
-    loaded: &LoadedScene,
-    file: &Path,
-    without_inclusions: bool,
-    quiet: bool,
-) -> Result<Arc<Pressed>, PressFailure> {
-    let order = Order { without_inclusions, ..Order::of(&loaded.scene) };
-    let mut session = Session::from(Devices::cpu(Precision::F32));
-    watched(quiet, |observe| session.press(loaded, &order, observe)).map_err(|error| match error {
-        PipelineError::Press(error) => PressFailure::of(error, file),
-        other => PressFailure { failure: Failure::of_scene(other, file), reached: None },
-    })
+/// Shows how far work is. Ctrl-C stops it.
+pub(super) fn watching(quiet: bool) -> impl Fn(Stage) -> bool + Sync {
+    let progress = Progress::new(quiet);
+    move |stage| {
+        progress.observe(stage.done, stage.what);
+        !cancel::requested()
+    }
 }
 
 /// Does work that shows how far it is. Ctrl-C stops it.
 pub(super) fn watched<T>(quiet: bool, work: impl FnOnce(&mut Observer) -> T) -> T {
-    let progress = Progress::new(quiet);
-    work(&mut |stage| {
-        progress.observe(stage.done, stage.what);
-        !cancel::requested()
-    })
+    work(&mut watching(quiet))
 }
 
 /// Notes an exposure time that does not suit the image, unless `quiet`.

@@ -2,9 +2,7 @@
 
 use super::Failure;
 use crate::calibrate::FrameModel;
-use crate::camera::top_grey;
-use crate::estimate::{Calibration, GreyImage, Threshold};
-use crate::image_io::read_grey;
+use crate::estimate::{Calibration, Threshold};
 use crate::pipeline::{self, ReadAs, Reference, Shot};
 use crate::scene::Camera;
 use clap::Args;
@@ -56,21 +54,7 @@ impl Reading {
 impl SceneReading {
     /// The reference image, where one is given, for a camera of as many pixels and bits.
     pub fn reference(&self, camera: &Camera) -> Result<Option<Reference>, Failure> {
-        let Some(path) = &self.image.reference else {
-            return Ok(None);
-        };
-        let (image, _) = grey_image(path, Some(camera.sensor.bit_depth))?;
-        let [width, height] = camera.pixels;
-        if (image.width(), image.height()) != (width as usize, height as usize) {
-            let found = format!("{} x {}", image.width(), image.height());
-            let message = format!("{}: has {found} pixels, the camera {width} x {height}", path.display());
-            return Err(Failure::input(message).in_file(path));
-        }
-        let top = f64::from(top_grey(camera.sensor.bit_depth));
-        // What does not fit is told before the work.
-        let frame = GreyImage::new(image.width(), image.height(), &vec![0.0; image.grey().len()], Some(top))?;
-        less(&frame, &image, Some(path))?;
-        Ok(Some(Reference { image, film: None }))
+        Ok(self.image.reference.as_deref().map(|path| Reference::of_file(path, camera)).transpose()?)
     }
 
     /// What is subtracted, if anything.
@@ -82,11 +66,6 @@ impl SceneReading {
         }
     }
 
-    /// The threshold for a camera, grey levels.
-    pub fn threshold_grey(&self, camera: &Camera) -> f64 {
-        self.image.threshold.of(f64::from(top_grey(camera.sensor.bit_depth)))
-    }
-
     /// Reads the figures of a shot: its camera frame, raw or less the reference.
     pub fn of_shot(
         &self,
@@ -94,26 +73,8 @@ impl SceneReading {
         reference: Option<&Reference>,
         calibration: Option<&Calibration>,
     ) -> Result<pipeline::Reading, Failure> {
-        let threshold_grey = self.threshold_grey(&shot.prepared.scene().camera);
+        let threshold_grey = self.image.threshold.of(f64::from(shot.frame.top_grey()));
         let path = self.image.reference.as_deref().unwrap_or(Path::new("reference"));
         shot.read(&ReadAs { threshold_grey, reference, calibration }).map_err(|error| Failure::of_scene(error, path))
     }
-}
-
-/// An image less a reference; a mistake names the reference.
-pub(super) fn less(image: &GreyImage, reference: &GreyImage, path: Option<&Path>) -> Result<GreyImage, Failure> {
-    let path = path.unwrap_or(Path::new("reference"));
-    image.minus(reference).map_err(|error| Failure::input(format!("{}: {error}", path.display())).in_file(path))
-}
-
-/// Reads an image for the estimators, of a camera of so many bits where that is known; also whether its values are
-/// radiances and not grey levels.
-pub(super) fn grey_image(path: &Path, bits: Option<u32>) -> Result<(GreyImage, bool), Failure> {
-    let mut read = read_grey(path)?;
-    if let Some(bits) = bits {
-        read = read.with_bits(bits, path)?;
-    }
-    let image = GreyImage::new(read.width as usize, read.height as usize, &read.values, read.full_scale)
-        .map_err(|error| Failure::input(format!("{}: {error}", path.display())).in_file(path))?;
-    Ok((image, read.linear))
 }

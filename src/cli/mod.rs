@@ -1,7 +1,7 @@
 //! The command line: one file per command.
 //!
 //! To add a command: a file with a struct of its arguments (`clap::Args`, with [`Common`] or [`Talk`] flattened in) and
-//! a `run` that returns an [`Outcome`] or a [`Failure`]; a variant of `Command`; its arm in `Command::run`. `compare`
+//! a `run` that returns an [`Outcome`] or a [`Failure`]; a line in `commands`. `compare`
 //! is the shortest example. Long work polls [`cancel::check`], reports to a [`Progress`] and writes into an
 //! [`crate::output::OutputFolder`].
 
@@ -33,7 +33,7 @@ mod sweep;
 mod usage;
 mod view;
 
-pub use flags::{Backend, Common, Precision, Talk};
+pub use flags::{Backend, Common, Place, SceneFile, Talk};
 pub use progress::Progress;
 
 use crate::failure::{Failure, PressFailure};
@@ -64,8 +64,25 @@ pub enum Outcome {
     CheckFailed,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
+/// All commands, each run by its own file.
+macro_rules! commands {
+    ($($name:ident($command:ty)),* $(,)?) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($name($command)),*
+        }
+
+        impl Command {
+            fn run(&self) -> Result<Outcome, Failure> {
+                match self {
+                    $(Self::$name(command) => command.run()),*
+                }
+            }
+        }
+    };
+}
+
+commands! {
     Demo(demo::Demo),
     Run(run::Run),
     Press(press::Press),
@@ -85,32 +102,6 @@ enum Command {
     New(new::New),
     Completions(shells::Completions),
     Man(shells::Man),
-}
-
-impl Command {
-    fn run(&self) -> Result<Outcome, Failure> {
-        match self {
-            Self::Demo(demo) => demo.run(),
-            Self::Run(run) => run.run(),
-            Self::Press(press) => press.run(),
-            Self::Render(render) => render.run(),
-            Self::Expose(expose) => expose.run(),
-            Self::Estimate(estimate) => estimate.run(),
-            Self::Compare(compare) => compare.run(),
-            Self::Frames(frames) => frames.run(),
-            Self::Converge(converge) => converge.run(),
-            Self::Stability(stability) => stability.run(),
-            Self::Sweep(sweep) => sweep.run(),
-            Self::Calibrate(calibrate) => calibrate.run(),
-            Self::Study(study) => study.run(),
-            Self::Inspect(inspect) => inspect.run(),
-            Self::View(view) => view.run(),
-            Self::Schema(schema) => schema.run(),
-            Self::New(new) => new.run(),
-            Self::Completions(completions) => completions.run(),
-            Self::Man(man) => man.run(),
-        }
-    }
 }
 
 /// Runs the command line of this process.

@@ -1,20 +1,19 @@
 //! `render`: the light of a scene, as radiance and as the camera sees it.
 
 use super::command::{self, command_of_light};
+use super::flags::SceneFile;
 use super::job::{Job, note_exposure};
-use super::{Common, Failure, Outcome, print};
-use crate::output::OutputFolder;
+use super::{Common, Failure, Outcome};
 use crate::pages::facts::{columns, facts, ledger};
 use crate::pipeline::Truth;
 use clap::Args;
 use serde_json::json;
-use std::path::PathBuf;
 
 /// Trace the light of a scene: radiance.exr, camera.png and pictures of them.
 #[derive(Debug, Args)]
 pub(super) struct Render {
-    /// Scene file, or preset:NAME for a scene that comes with the program.
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneFile,
     #[command(flatten)]
     common: Common,
 }
@@ -23,7 +22,7 @@ impl Render {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let common = &self.common;
         let mut job = Job::read(&self.scene, common)?;
-        let folder = OutputFolder::create(&common.destination(job.name()), common.force)?;
+        let folder = common.place.take(&job.loaded.scene.name)?;
         let prepared = job.prepare()?;
         let shot = job.shoot(&prepared)?;
         note_exposure(&shot.suited, prepared.scene().camera.sensor.exposure_ms, common.talk.quiet);
@@ -34,15 +33,10 @@ impl Render {
         let mut result = json!(summary);
         result["truth"] = json!(truth);
         let done = command::commit(folder, Some(&job.loaded.text), result)?;
-        if common.talk.json {
-            print(&done.json)?;
-        } else {
-            let out = done.out;
-            let mut rows = facts(&shot);
-            rows.push(("light".into(), ledger(&shot)));
-            rows.push(("folder".into(), format!("{out}: camera.png radiance.exr radiance.svg relief.svg side.svg")));
-            print(&format!("{}\n{}", job.name(), columns(&rows)))?;
-        }
-        Ok(Outcome::Done)
+        let mut rows = facts(&shot);
+        rows.push(("light".into(), ledger(&shot)));
+        let written = "camera.png radiance.exr radiance.svg relief.svg side.svg";
+        rows.push(("folder".into(), format!("{}: {written}", done.out)));
+        common.talk.tell(&done.json, format!("{}\n{}", job.loaded.scene.name, columns(&rows)))
     }
 }

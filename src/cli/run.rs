@@ -1,6 +1,7 @@
 //! `run`: from a scene to estimates and a report.
 
 use super::command::{self, command_line, command_of_light};
+use super::flags::SceneFile;
 use super::job::{Job, note_exposure};
 use super::measure::SceneReading;
 use super::{Common, Failure, Outcome};
@@ -8,7 +9,6 @@ use crate::calibrate::estimates_of;
 use crate::estimate::GreyImage;
 use crate::output::OutputFolder;
 use crate::pages;
-use crate::pages::press_files::write_press;
 use crate::pipeline::{EarlierFrame, Prepared, Reference, Truth};
 use clap::Args;
 use serde_json::json;
@@ -17,8 +17,8 @@ use std::path::PathBuf;
 /// Press, trace, expose and estimate: what render writes, the camera image in false colour, and report.html.
 #[derive(Debug, Args)]
 pub(super) struct Run {
-    /// Scene file, or preset:NAME for a scene that comes with the program.
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneFile,
     #[command(flatten)]
     reading: SceneReading,
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub(super) struct Run {
 impl Run {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let job = Job::read(&self.scene, &self.common)?;
-        let folder = OutputFolder::create(&self.common.destination(job.name()), self.common.force)?;
+        let folder = self.common.place.take(&job.loaded.scene.name)?;
         whole_job(job, &self.reading, &self.common, folder).map(|_| Outcome::Done)
     }
 }
@@ -56,31 +56,21 @@ pub(super) fn whole_job(
         frames.push((step.depth_mm, GreyImage::from_frame(&shot.frame)?));
     }
     figures.estimates = estimates_of(model.as_ref(), &job.loaded, &frames);
-    let pictures = shot.write_pictured(&folder, &command_of_light())?;
-    let seen = shot.camera_pictures(&figures, reading.reference_name().as_deref())?;
-    folder.write("camera_false_color.svg", &seen.false_color)?;
-    folder.write("camera_relief.svg", &seen.relief)?;
-    let lift_mm = scene.stack.height_mm();
-    let press = match prepared.pressed() {
-        Some((pressed, _)) => Some(write_press(&scene.name, pressed, lift_mm, &folder)?),
-        None => None,
-    };
     let truth = Truth::of(scene.phantom.as_ref(), &job.loaded.files, common.without_inclusions)?;
-    let page = pages::run::report(&pages::run::Run {
+    let reference = reading.reference_name();
+    let page = pages::run::Run {
         shot: &shot,
         figures: &figures,
-        reference: reading.reference_name().as_deref(),
+        reference: reference.as_deref(),
         truth: &truth,
-        pictures: &pictures,
-        seen: &seen,
-        press: press.as_ref(),
         frames: &frames,
         earlier: &earlier,
         command: command_line(),
-    })?;
-    folder.write("report.html", &page.to_html())?;
-    let mut summary = shot.run_summary(&figures, reading.reference_name(), truth);
-    summary.shot.stages_seconds.files = pictures.files_seconds;
+        command_of_light: command_of_light(),
+    };
+    let files_seconds = pages::run::write(&page, &folder)?;
+    let mut summary = shot.run_summary(&figures, reference, truth);
+    summary.shot.stages_seconds.files = files_seconds;
     summary.earlier_frames = earlier;
     let done = command::commit(folder, Some(&job.loaded.text), json!(summary))?;
     common.talk.tell(&done.json, pages::run::text(&shot, &figures, &summary.truth, &done.out))?;

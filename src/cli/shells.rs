@@ -1,9 +1,10 @@
 //! `completions` and `man`: what shells and readers of manuals know of the program.
 
 use super::{CommandLine, Failure, Outcome, print};
+use crate::output::fill_whole;
 use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Print what a shell needs to complete commands and flags.
 ///
@@ -37,15 +38,8 @@ impl Man {
             let message = format!("{}: is no folder; give one for the pages", self.folder.display());
             return Err(Failure::usage(message).in_file(&self.folder));
         }
-        let failed = |error: std::io::Error| Failure::failed(format!("{}: {error}", self.folder.display()));
-        std::fs::create_dir_all(&self.folder).map_err(failed)?;
-        // All pages or none: a disk may be full.
-        let pages = tempfile::Builder::new().prefix(".tirtouch").tempdir_in(&self.folder).map_err(failed)?;
-        clap_mangen::generate_to(CommandLine::command(), pages.path()).map_err(failed)?;
-        for page in std::fs::read_dir(pages.path()).map_err(failed)? {
-            let page = page.map_err(failed)?;
-            std::fs::rename(page.path(), self.folder.join(page.file_name())).map_err(failed)?;
-        }
+        let generate = |place: &Path| clap_mangen::generate_to(CommandLine::command(), place);
+        fill_whole(&self.folder, generate)?;
         Ok(Outcome::Done)
     }
 }

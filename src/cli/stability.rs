@@ -1,16 +1,14 @@
 //! `stability`: the extreme cases, each with its reference and its error.
 
 use super::command::{self, described};
-use super::flags::Backend;
 use super::job::watched;
 use super::{Failure, Outcome, Talk, note};
 use crate::output::OutputFolder;
 use crate::pages::stability::{pictures, table};
 use crate::stability::{Context, Tracer, membrane, run};
-use crate::trace::TraceError;
 use crate::trace::gpu::Gpu;
+use crate::trace::{BackendChoice, TraceError};
 use clap::Args;
-use serde_json::json;
 use std::path::PathBuf;
 
 /// Check the extreme cases of tracer, finite elements and estimators against their references.
@@ -29,8 +27,8 @@ pub(super) struct Stability {
     force: bool,
     /// What is checked: the CPU twin, and the GPU where there is one (auto), the GPU or fail (gpu), the twin alone
     /// (cpu).
-    #[arg(long, value_enum, default_value_t)]
-    backend: Backend,
+    #[arg(long, value_name = "auto|gpu|cpu", default_value = "auto")]
+    backend: BackendChoice,
     #[command(flatten)]
     talk: Talk,
 }
@@ -41,13 +39,8 @@ impl Stability {
         let (tracers, adapter) = self.tracers()?;
         let context = Context { tracers, membrane: membrane::deflection, quick: self.quick };
         let rows = watched(self.talk.quiet, |observe| run(&context, observe)).ok_or_else(Failure::cancelled)?;
-        let failed = rows.iter().filter(|row| !row.passed).count();
-        let result = json!({
-            "passed": failed == 0,
-            "failed": failed,
-            "adapter": adapter,
-            "rows": rows.iter().map(table::json).collect::<Vec<_>>(),
-        });
+        let passed = rows.iter().all(|row| row.passed);
+        let result = table::all_json(&rows, adapter.as_deref());
         let (out, json) = match folder {
             Some(folder) => {
                 folder.write("stability.csv", &table::csv(&rows)?)?;
@@ -58,12 +51,12 @@ impl Stability {
             None => (None, described(result, None).to_string()),
         };
         self.talk.tell(&json, table::text(&rows, adapter.as_deref(), out.as_deref()))?;
-        Ok(if failed == 0 { Outcome::Done } else { Outcome::CheckFailed })
+        Ok(if passed { Outcome::Done } else { Outcome::CheckFailed })
     }
 
     /// What is checked, and the GPU's name.
     fn tracers(&self) -> Result<(Vec<Tracer>, Option<String>), Failure> {
-        if self.backend == Backend::Cpu {
+        if self.backend == BackendChoice::Cpu {
             return Ok((vec![Tracer::twin()], None));
         }
         match Gpu::open() {
@@ -71,7 +64,7 @@ impl Stability {
                 let name = format!("{} ({:?}, {})", gpu.info.name, gpu.info.backend, gpu.info.driver_info);
                 Ok((vec![Tracer::gpu(), Tracer::twin()], Some(name)))
             }
-            Err(TraceError::NoAdapter) if self.backend == Backend::Auto => {
+            Err(TraceError::NoAdapter) if self.backend == BackendChoice::Auto => {
                 if !self.talk.quiet {
                     note("no GPU adapter found: only the CPU tracer is checked");
                 }

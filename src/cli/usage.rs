@@ -10,7 +10,7 @@ pub(super) enum Parsed {
     /// Help or the version, to be printed.
     Text(String),
     /// A command.
-    CommandLine(CommandLine),
+    CommandLine(Box<CommandLine>),
 }
 
 /// Whether errors go out as JSON, known before the arguments are.
@@ -19,7 +19,9 @@ pub(super) fn asks_for_json(arguments: impl Iterator<Item = OsString>) -> bool {
 }
 
 pub(super) fn parse(arguments: impl Iterator<Item = OsString>) -> Result<Parsed, Failure> {
-    CommandLine::try_parse_from(arguments).map(Parsed::CommandLine).or_else(|error| match error.kind() {
+    CommandLine::try_parse_from(arguments).map(|line| Parsed::CommandLine(Box::new(line))).or_else(|error| match error
+        .kind()
+    {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Ok(Parsed::Text(error.render().to_string())),
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             Err(Failure::usage("a command is missing; `tirtouch --help` lists them"))
@@ -34,38 +36,4 @@ fn one_line(text: &str) -> String {
     let lines: Vec<&str> = said.map(str::trim).filter(|line| !line.is_empty()).collect();
     let line = lines.join(" ");
     line.strip_prefix("error: ").unwrap_or(&line).replace(" tip: ", "; ")
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-
-    fn refusal(arguments: &[&str]) -> String {
-        let arguments = arguments.iter().map(OsString::from);
-        match parse(arguments) {
-            Err(failure) => failure.message().to_owned(),
-            Ok(_) => String::new(),
-        }
-    }
-
-    #[test]
-    fn a_wrong_flag_is_one_line_without_the_usage() {
-        let line = refusal(&["tirtouch", "compare", "a", "b", "--levle", "1"]);
-        assert!(line.contains("'--levle'") && line.contains("'--level'"), "{line}");
-        assert!(!line.contains('\n') && !line.contains("Usage") && !line.starts_with("error"), "{line}");
-    }
-
-    #[test]
-    fn missing_arguments_are_named() {
-        let line = refusal(&["tirtouch", "compare"]);
-        assert!(line.contains("<A>") && line.contains("<B>"), "{line}");
-    }
-
-    #[test]
-    fn json_is_seen_before_the_double_dash_only() {
-        let asks = |arguments: &[&str]| asks_for_json(arguments.iter().map(OsString::from));
-        assert!(asks(&["tirtouch", "--wrong", "--json"]));
-        assert!(!asks(&["tirtouch", "compare", "--", "--json"]));
-    }
 }

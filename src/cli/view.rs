@@ -1,14 +1,12 @@
 //! `view`: a scene to look at in a browser while its numbers change.
 
-use super::flags::Backend;
-use super::job::{check_light, open_with};
-use super::{Failure, Outcome, Talk, cancel, note};
-use crate::trace::{Devices, Precision, Settings};
-use crate::vary::Set;
+use super::flags::{Backend, SceneFile};
+use super::job::check_light;
+use super::{Failure, Outcome, Talk, cancel};
+use crate::trace::Settings;
 use crate::view::{Desk, Knob, Server, Span, Tev, ViewError, paint};
 use clap::Args;
 use serde_json::json;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -21,14 +19,11 @@ const LAST_PAUSE: Duration = Duration::from_millis(700);
 /// The page is served on this machine alone, at an address that is printed.
 #[derive(Debug, Args)]
 pub(super) struct View {
-    /// Scene file, or preset:NAME for a scene that comes with the program.
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneFile,
     /// Show this number first, with its range: KEY or KEY=FROM:TO; may be given again.
     #[arg(long, value_name = "KEY=FROM:TO")]
     slider: Vec<Span>,
-    /// Set a key of the scene, as in `stack.layer[0].n=1.42`; may be given again.
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<Set>,
     /// Port of 127.0.0.1 to listen at [default: a free one].
     #[arg(long, value_name = "N", default_value_t, hide_default_value = true)]
     port: u16,
@@ -38,8 +33,7 @@ pub(super) struct View {
     /// Seed of all random numbers [default: the scene's].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u32>,
-    /// Where to compute.
-    #[arg(long, value_enum, default_value_t)]
+    #[command(flatten)]
     backend: Backend,
     #[command(flatten)]
     talk: Talk,
@@ -47,14 +41,11 @@ pub(super) struct View {
 
 impl View {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (loaded, file) = open_with(&self.scene, &self.set)?;
+        let (loaded, file) = self.scene.open()?;
         check_light(&loaded, &file)?;
         let knobs = Knob::of(&loaded, &file, &self.slider).map_err(ViewError::Knob)?;
         let tev = self.tev.as_deref().map(|place| Tev::connect(place, &loaded.scene.name)).transpose()?;
-        let devices = Devices::open(self.backend.choice(), Precision::F32)?;
-        if let (Some(notice), false) = (devices.notice(), self.talk.quiet) {
-            note(notice);
-        }
+        let devices = self.backend.open(self.talk.quiet)?;
         let desk = Arc::new(Desk::new(loaded, file));
         let server = Server::open(desk.clone(), &knobs, self.port)?;
         let painter = {

@@ -9,6 +9,8 @@ use crate::output::{OutputError, Records};
 use crate::progress::{Observer, Stage};
 use crate::scene::LoadedScene;
 use crate::trace::{Devices, Settings};
+use serde_json::{Value, json};
+use std::str::FromStr;
 use thiserror::Error;
 
 /// Why ladders were not climbed to their end.
@@ -48,7 +50,38 @@ pub struct Climb<'a> {
     pub only: Option<Part>,
 }
 
+impl FromStr for Part {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "light" => Ok(Self::Light),
+            "mechanics" => Ok(Self::Mechanics),
+            _ => Err("it must be light or mechanics"),
+        }
+    }
+}
+
 impl Climb<'_> {
+    /// Highest samples a pixel where none are asked for: four times the scene's.
+    pub fn usual_spp(loaded: &LoadedScene, quick: bool) -> u32 {
+        if quick { 64 } else { loaded.scene.render.spp.saturating_mul(4).clamp(64, 16_384) }
+    }
+
+    /// What its rungs depend on; the camera's pixels were divided by `shrink`.
+    pub fn order(&self, shrink: u32) -> Value {
+        json!({
+            "scene_sha256": self.loaded.sha256,
+            "inputs": self.loaded.inputs(),
+            "quick": self.quick,
+            "most_spp": self.most_spp,
+            "shrink": shrink,
+            "seed": self.settings.seed,
+            "backend": if self.devices.is_gpu() { "Gpu" } else { "Cpu" },
+            "version": env!("CARGO_PKG_VERSION"),
+        })
+    }
+
     /// Climbs all ladders, taking what the records already have.
     ///
     /// # Errors

@@ -13,12 +13,14 @@ use crate::mechanics::frames::scan::ScanError;
 use crate::mechanics::press::PressError;
 use crate::output::{OutputError, Remedy};
 use crate::pages::PageError;
+use crate::pages::frames::InputError;
+use crate::pipeline::FrameFileError;
 use crate::report::{PictureError, VtuError};
 use crate::scene::{DataFileError, SceneError};
 use crate::stability::StabilityError;
 use crate::study::StudyError;
 use crate::surface::SurfaceError;
-use crate::sweep::{SweepError, SweepFolderError, slurm};
+use crate::sweep::{NoScene, SweepError, SweepFolderError, slurm};
 use crate::trace::TraceError;
 use crate::view::{TevError, ViewError};
 use std::path::Path;
@@ -54,9 +56,20 @@ impl From<ImageError> for Failure {
     }
 }
 
+impl From<FrameFileError> for Failure {
+    fn from(error: FrameFileError) -> Self {
+        let words = error.to_string();
+        match error {
+            FrameFileError::Image(error) => error.into(),
+            FrameFileError::Unsuited { file, .. } => Self::input(words).in_file(&file),
+        }
+    }
+}
+
 impl From<PageError> for Failure {
     fn from(error: PageError) -> Self {
         match error {
+            PageError::Study(error) => (*error).into(),
             PageError::Output(error) => error.into(),
             PageError::Image(error) => error.into(),
             PageError::Projection(error) => error.into(),
@@ -158,6 +171,22 @@ impl From<PressError> for Failure {
     }
 }
 
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        match error {
+            InputError::Scene(error) => error.into(),
+            InputError::Table(error) => error.into(),
+            InputError::Scan { file, error } => {
+                let failure = Self::from(*error);
+                match failure.names_a_file() {
+                    true => failure,
+                    false => failure.prefixed(&file.display().to_string()).in_file(&file),
+                }
+            }
+        }
+    }
+}
+
 impl From<ScanError> for Failure {
     fn from(error: ScanError) -> Self {
         match error {
@@ -216,12 +245,16 @@ impl From<CalibrateError> for Failure {
 
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
+        let words = error.to_string();
         match error {
+            StudyError::Lacking { file } => Self::input(words).in_file(&file),
+            StudyError::Damaged => Self::failed(words),
+            StudyError::Calibration(error) => error.into(),
             StudyError::Sweep(error) => error.into(),
             StudyError::Exposure(error) => error.into(),
             StudyError::Frame(error) => error.into(),
             StudyError::Phantom(error) => error.into(),
-            StudyError::Statistics(error) => Self::failed(error.to_string()),
+            StudyError::Statistics(_) => Self::failed(words),
         }
     }
 }
@@ -270,5 +303,18 @@ impl From<ViewError> for Failure {
 impl From<TevError> for Failure {
     fn from(error: TevError) -> Self {
         Self::usage(error.to_string())
+    }
+}
+
+impl Failure {
+    /// Why a point of a sweep, of a file or a folder, has no scene.
+    #[must_use]
+    pub fn of_point(error: &NoScene, file: &Path) -> Self {
+        let words = format!("{}: {error}", file.display());
+        let failure = match error {
+            NoScene::Row { .. } => Self::usage(words),
+            NoScene::Rejected { .. } => Self::input(words),
+        };
+        failure.in_file(file)
     }
 }

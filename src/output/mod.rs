@@ -9,11 +9,13 @@ mod error;
 mod folder;
 pub mod leftovers;
 mod records;
+mod whole;
 mod worker;
 
 pub use claim::Claim;
 pub use contents::{RESULT, SCENE, described};
 pub use error::{OutputError, Remedy};
 pub use folder::{Finished, OutputFolder};
-pub use records::{Item, Records, write_whole};
+pub use records::{Item, Records};
+pub use whole::{fill_whole, must_be_free, write_new, write_whole};
 pub use worker::Claimed;

@@ -1,6 +1,7 @@
 //! A folder that keeps one record for each item, each written whole or not at all, so that a stopped run can go on.
 
 use super::leftovers::leftovers;
+use super::whole::{unwritable, whole_file, write_by};
 use super::worker::{self, CLAIMS, WORKERS, Worker};
 use super::{Claim, Claimed, OutputError, RESULT, Remedy, SCENE};
 use crate::film::{Film, RADIANCE_UNIT};
@@ -9,7 +10,6 @@ use crate::scene::sha256;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Where the records are, and what they belong to.
@@ -282,28 +282,6 @@ impl Records {
     }
 }
 
-/// Writes a file that is there whole or not at all; its folder is made.
-///
-/// # Errors
-/// When it cannot be written.
-pub fn write_whole(path: &Path, text: &str) -> Result<(), OutputError> {
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
-    write_by(folder, path, text.as_bytes())
-}
-
-/// The same by way of a file in a folder of the same file system.
-fn write_by(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    let _whole = leftovers();
-    let write = || {
-        let mut file = whole_file().tempfile_in(folder)?;
-        file.write_all(bytes)?;
-        file.as_file().sync_all()?;
-        file.persist(path).map_err(|error| error.error)
-    };
-    write().map(|_| ()).map_err(|error| unwritable(path, &error))
-}
-
 /// A record with the SHA-256 of its name and its text: a bit that flipped in a figure, or another item's record, is still
 /// good JSON.
 fn sealed(name: &str, text: &str) -> String {
@@ -401,21 +379,6 @@ fn difference(old: &Value, new: &Value) -> String {
         }
     }
     walk("", old, new).unwrap_or_default()
-}
-
-/// A file that grows beside its place. Others may read it as they may any file of this user: workers of a cluster do.
-fn whole_file() -> tempfile::Builder<'static, 'static> {
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder
-}
-
-fn unwritable(path: &Path, error: &std::io::Error) -> OutputError {
-    OutputError::failed(path, format!("cannot be written: {error}"))
 }
 
 #[cfg(test)]

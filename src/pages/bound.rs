@@ -1,7 +1,7 @@
 //! What is said of the bounds of a protocol.
 
 use super::facts::{figure, interval};
-use crate::calibrate::{Bounds, Inclusion};
+use crate::calibrate::{Bounds, CalibrateError, FrameModel, Inclusion, Limits, Protocol};
 use crate::estimate::Value;
 use crate::figure::Figure;
 use serde::Serialize;
@@ -16,6 +16,23 @@ pub struct Row {
     pub frames: Figure<Bounds>,
     /// With the calibration's error.
     pub calibrated: Figure<Bounds>,
+}
+
+/// Bounds by a calibration, for inclusions over its range; none where `go_on` says no.
+///
+/// # Errors
+/// A calibration that is damaged.
+pub fn rows(
+    model: &FrameModel,
+    protocol: &Protocol,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Option<Vec<Row>>, CalibrateError> {
+    let limits = Limits::of(model)?;
+    let row = |inclusion: Inclusion| {
+        let of = |whole| limits.bounds(&inclusion, protocol, whole).map_or_else(Figure::undefined, Figure::Known);
+        go_on().then(|| Row { inclusion, frames: of(false), calibrated: of(true) })
+    };
+    Ok(model.some_inclusions().into_iter().map(row).collect())
 }
 
 /// The table for reading.

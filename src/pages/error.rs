@@ -5,6 +5,7 @@ use crate::image_io::ImageError;
 use crate::output::OutputError;
 use crate::report::{PictureError, VtuError};
 use crate::stability::StabilityError;
+use crate::study::StudyError;
 use thiserror::Error;
 
 /// The error of what a page is made of.
@@ -25,6 +26,9 @@ pub enum PageError {
     /// An extreme case that cannot be computed.
     #[error(transparent)]
     Case(#[from] StabilityError),
+    /// A study whose sweeps cannot be read.
+    #[error(transparent)]
+    Study(Box<StudyError>),
     /// A file of the press.
     #[error("{file}: {error}")]
     Vtu {
@@ -41,4 +45,10 @@ pub enum PageError {
         /// Why it cannot be made.
         error: Box<dyn std::error::Error + Send + Sync>,
     },
+}
+
+impl From<StudyError> for PageError {
+    fn from(error: StudyError) -> Self {
+        Self::Study(Box::new(error))
+    }
 }

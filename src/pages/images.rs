@@ -3,7 +3,10 @@
 use super::facts::{columns, figure, said as all_said, said_within};
 use super::run::inclusion_rows;
 use crate::calibrate::Inferred;
-use crate::estimate::{Calibration, Estimates, GreyImage, PaperEstimate, Settings, Stiffness, Value, stiffness};
+use crate::estimate::{
+    Calibration, Estimates, GreyImage, PaperEstimate, Settings, Stiffness, Value, estimate, scattered, stiffness,
+};
+use crate::pipeline::{FrameFileError, less};
 use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
 
@@ -15,10 +18,40 @@ pub struct Measured {
     pub paper: PaperEstimate,
 }
 
-/// What two images say about stiffness, or why they do not.
+impl Measured {
+    /// The figures of an image: as a file has it, or less a reference.
+    ///
+    /// # Errors
+    /// A reference of other pixels or levels.
+    pub fn of(
+        (path, raw): (&Path, &GreyImage),
+        reference: Option<&(&Path, GreyImage)>,
+        threshold_grey: f64,
+        calibration: Option<&Calibration>,
+    ) -> Result<Self, FrameFileError> {
+        let image = match reference {
+            Some((file, reference)) => less(raw, reference, file)?,
+            None => raw.clone(),
+        };
+        let mut paper = estimate(&image, &settings(threshold_grey, reference.is_some()));
+        paper.warnings.extend(scattered(&image, threshold_grey));
+        if let Some(calibration) = calibration {
+            paper = paper.scaled(calibration.mm_per_pixel);
+        }
+        Ok(Self { path: path.into(), image, threshold_grey, paper })
+    }
+}
+
+/// How images are read. One less another is rounded twice.
+fn settings(threshold_grey: f64, is_less: bool) -> Settings {
+    let rounded = if is_less { std::f64::consts::SQRT_2 } else { 1.0 };
+    Settings { threshold_grey, noise_grey: rounded * Settings::default().noise_grey }
+}
+
+/// What two images say about stiffness, or why they do not; `are_less`: a reference was subtracted from them.
 pub fn relative_stiffness(
     measured: &[Measured],
-    settings: &dyn Fn(f64) -> Settings,
+    are_less: bool,
     calibration: Option<&Calibration>,
 ) -> Result<Stiffness, String> {
     match (measured, calibration) {
@@ -26,7 +59,7 @@ pub fn relative_stiffness(
             Err("the images' grey levels end at different values, and so cannot be compared".into())
         }
         ([first, second], Some(calibration)) => {
-            Ok(stiffness(&first.image, &second.image, &settings(first.threshold_grey), calibration))
+            Ok(stiffness(&first.image, &second.image, &settings(first.threshold_grey, are_less), calibration))
         }
         ([_, _], None) => Err("no calibration gives force and pressure".into()),
         _ => Err(format!("it takes two images under different press, there are {}", measured.len())),

@@ -2,10 +2,12 @@
 
 use super::PageError;
 use super::facts::{columns, figure, said, version};
+use super::study::Said;
 use super::tables::table;
 use crate::estimate::{Stiffness, Value};
 use crate::report::{AxisName, Item, LogPlot, LogPoint, LogSeries, LogStyle, Report, Section, Table, log_plot};
 use crate::study::{PaperSummary, Phantom, Reading};
+use serde_json::json;
 
 /// A study of the paper's figures, to be told of.
 pub struct PaperPage<'a> {
@@ -23,7 +25,7 @@ fn number(value: Option<f64>) -> String {
 }
 
 /// Every image, or pair of images, as a row.
-pub fn csv(readings: &[Reading]) -> Result<String, PageError> {
+fn csv(readings: &[Reading]) -> Result<String, PageError> {
     let heads =
         ["row", "truth", "press_mm", "value", "undefined", "force_n", "pressure_kpa", "deformation", "warnings"];
     let cell = |value: Option<&Value>| value.and_then(Value::best).map(f64::to_string).unwrap_or_default();
@@ -49,8 +51,21 @@ pub fn csv(readings: &[Reading]) -> Result<String, PageError> {
 }
 
 impl PaperPage<'_> {
+    /// All that is said, of a folder `out`, by a command.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn.
+    pub fn said(&self, readings: &[Reading], out: &str, command: &str) -> Result<Said, PageError> {
+        Ok(Said {
+            table: ("readings.csv", csv(readings)?),
+            report: self.report(readings, command)?,
+            text: self.text(out),
+            summary: json!(self.summary),
+        })
+    }
+
     /// In words.
-    pub fn text(&self, out: &str) -> String {
+    fn text(&self, out: &str) -> String {
         let [_, unit] = self.summary.figure.named();
         let [_, true_unit] = self.summary.figure.truth();
         let mut rows: Vec<(String, String)> = Vec::new();
@@ -97,7 +112,7 @@ impl PaperPage<'_> {
     ///
     /// # Errors
     /// A picture that cannot be drawn.
-    pub fn report(&self, readings: &[Reading], command: &str) -> Result<Report, PageError> {
+    fn report(&self, readings: &[Reading], command: &str) -> Result<Report, PageError> {
         let [name, unit] = self.summary.figure.named();
         let [true_name, true_unit] = self.summary.figure.truth();
         let row = |phantom: &Phantom| {

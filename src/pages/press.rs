@@ -1,15 +1,39 @@
 //! What a report says of a press.
 
+use super::PageError;
 use super::facts::{figure, scene_rows, version};
-use super::press_files::PressPictures;
+use super::press_files::{PressPictures, write_press};
 use super::truth::truth_table;
 use crate::mechanics::press::{PressStep, Pressed, Rounding};
-use crate::pipeline::{Truth, method_name, setting};
+use crate::output::OutputFolder;
+use crate::pipeline::{PressSummary, Truth, method_name, setting};
 use crate::report::{Item, Report, Section, Table};
 use crate::scene::LoadedScene;
+use serde_json::{Value, json};
 
-/// The report of `press`.
-pub fn press_report(
+/// Writes a press: its contact, shape, pictures and report; what is said of it for programs. `stopped` says why it
+/// reached no more.
+///
+/// # Errors
+/// What cannot be drawn or written.
+pub fn write(
+    (loaded, pressed): (&LoadedScene, &Pressed),
+    truth: &Truth,
+    stopped: Option<&str>,
+    command: String,
+    folder: &OutputFolder,
+) -> Result<Value, PageError> {
+    let name = &loaded.scene.name;
+    let pictures = write_press(name, pressed, loaded.scene.stack.height_mm(), folder)?;
+    if let Some(why) = stopped {
+        folder.write("STOPPED.txt", &format!("{why}\nThe files hold the loads before that.\n"))?;
+    }
+    let page = press_report(loaded, pressed, truth, &pictures, stopped, command);
+    folder.write("report.html", &page.to_html())?;
+    Ok(json!({"scene": name, "inputs": loaded.inputs(), "truth": truth, "mechanics": PressSummary::of(pressed)}))
+}
+
+fn press_report(
     loaded: &LoadedScene,
     pressed: &Pressed,
     truth: &Truth,

@@ -4,12 +4,13 @@ use super::PageError;
 use super::explore::explore;
 use super::facts::{columns, facts, figure, ledger, mean_radiance, said, scene_rows, version};
 use super::press::{press_rows, press_section};
-use super::press_files::PressPictures;
+use super::press_files::{PressPictures, write_press};
 use super::regimes::layers;
 use super::regimes::regimes;
 use super::shot::{CameraPictures, Pictures};
 use super::truth::{truth_rows, truth_table};
 use crate::estimate::{Detected, Estimates, GreyImage, Value};
+use crate::output::OutputFolder;
 use crate::pipeline::{EarlierFrame, NO_MECHANICS, Reading, Shot, Truth};
 use crate::report::{Item, Report, Section, Table};
 
@@ -23,34 +24,51 @@ pub struct Run<'a> {
     pub reference: Option<&'a str>,
     /// What the phantom holds.
     pub truth: &'a Truth,
-    /// Pictures of the light.
-    pub pictures: &'a Pictures,
-    /// Pictures of the frame.
-    pub seen: &'a CameraPictures,
-    /// Pictures of the press, if there is one.
-    pub press: Option<&'a PressPictures>,
     /// Depth, mm, and frame of each load, in order.
     pub frames: &'a [(f64, GreyImage)],
     /// What is said of those before the last.
     pub earlier: &'a [EarlierFrame],
     /// The command that asked for it.
     pub command: String,
+    /// The same without what changes no light.
+    pub command_of_light: String,
 }
 
-/// Makes the report.
+/// Writes radiance, camera image, press, pictures and the report; says how long the files of the light took, seconds.
 ///
 /// # Errors
-/// A view that total reflection hides.
-pub fn report(run: &Run) -> Result<Report, PageError> {
-    let Run { shot, figures, reference, truth, pictures, seen, press, .. } = *run;
+/// A view that total reflection hides, a file that cannot be written.
+pub fn write(run: &Run, folder: &OutputFolder) -> Result<f64, PageError> {
+    let shot = run.shot;
+    let light = shot.write_pictured(folder, &run.command_of_light)?;
+    let seen = shot.camera_pictures(run.figures, run.reference)?;
+    folder.write("camera_false_color.svg", &seen.false_color)?;
+    folder.write("camera_relief.svg", &seen.relief)?;
+    let scene = shot.prepared.scene();
+    let lift_mm = scene.stack.height_mm();
+    let press = shot.prepared.pressed().map(|(pressed, _)| write_press(&scene.name, pressed, lift_mm, folder));
+    let drawn = Drawn { light, seen, press: press.transpose()? };
+    folder.write("report.html", &report(run, &drawn)?.to_html())?;
+    Ok(drawn.light.files_seconds)
+}
+
+/// The pictures of a run.
+struct Drawn {
+    light: Pictures,
+    seen: CameraPictures,
+    press: Option<PressPictures>,
+}
+
+fn report(run: &Run, drawn: &Drawn) -> Result<Report, PageError> {
+    let Run { shot, figures, reference, truth, .. } = *run;
     let scene = shot.prepared.scene();
     let explore = Item::Explore(Box::new(explore(shot, run.frames, run.earlier)?));
     let explore = Section { title: String::new(), items: vec![explore] };
-    let mut sections = vec![explore, camera(shot, reference, seen), estimates(figures, reference, truth)];
-    if let (Some((pressed, _)), Some(pictures)) = (shot.prepared.pressed(), press) {
+    let mut sections = vec![explore, camera(shot, reference, &drawn.seen), estimates(figures, reference, truth)];
+    if let (Some((pressed, _)), Some(pictures)) = (shot.prepared.pressed(), &drawn.press) {
         sections.push(press_section(pressed, pictures));
     }
-    sections.extend([light(shot, pictures), stack(shot)]);
+    sections.extend([light(shot, &drawn.light), stack(shot)]);
     Ok(Report {
         title: format!("tirtouch: {}", scene.name),
         summary: summary(shot, figures),

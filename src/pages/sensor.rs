@@ -4,8 +4,11 @@ use super::PageError;
 use super::facts::{columns, figure};
 use super::tables::table;
 use crate::estimate::sensor::{ForceLaw, Scale};
+use crate::mechanics::press::PressStep;
 use crate::output::OutputFolder;
+use crate::pipeline::Shot;
 use crate::report::{AxisName, Curve, CurvePlot, CurveStyle, curve_plot};
+use crate::scene::{Invalid, LoadedScene, Scene};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -34,7 +37,53 @@ pub struct Bench {
     pub law: ForceLaw,
 }
 
+/// Presses by which forces are calibrated.
+const PRESSES: u32 = 8;
+
+/// A scene pressed to eight depths, the deepest its own.
+///
+/// # Errors
+/// A scene that does not press, or not to depths.
+pub fn at_depths(loaded: &LoadedScene) -> Result<LoadedScene, Invalid> {
+    let mut loaded = loaded.clone();
+    let Some(press) = &mut loaded.scene.press else {
+        return Err(Invalid::new("press", "forces are calibrated by presses, and the scene has no [press]"));
+    };
+    let Some(deepest) = press.depths_mm.as_ref().and_then(|depths| depths.last().copied()) else {
+        return Err(Invalid::new("press.depths_mm", "forces are calibrated by presses to depths; give depths_mm"));
+    };
+    let share = |k: u32| deepest * f64::from(k) / f64::from(PRESSES);
+    (press.depths_mm, press.estimate_error) = (Some((1..=PRESSES).map(share).collect()), false);
+    Ok(loaded)
+}
+
+impl Press {
+    /// The press that a shot is of.
+    ///
+    /// # Errors
+    /// A frame with saturated pixels.
+    pub fn of(shot: &Shot, step: &PressStep) -> Result<Self, Invalid> {
+        let (depth_mm, force_n, camera) = (step.depth_mm, step.force_n, shot.camera_summary());
+        if camera.saturated_pixels > 0 {
+            let message =
+                format!("the frame at {depth_mm} mm has saturated pixels: its sum says too little; expose shorter");
+            return Err(Invalid::new("camera.sensor.exposure_ms", message));
+        }
+        Ok(Self { depth_mm, force_n, sum_grey: camera.sum_grey as f64 })
+    }
+}
+
 impl Bench {
+    /// What presses of a scene say of its sensor.
+    ///
+    /// # Errors
+    /// Says why no law fits them.
+    pub fn of(scene: &Scene, scale: Scale, presses: Vec<Press>) -> Result<Self, String> {
+        let points: Vec<[f64; 2]> = presses.iter().map(|press| [press.sum_grey, press.force_n]).collect();
+        let (law, [width, depth]) = (ForceLaw::fit(&points)?, scene.stack.footprint_mm);
+        Ok(Self { name: scene.name.clone(), scale, bottom_area_mm2: width * depth, presses, law })
+    }
+
     /// Writes calibration.toml, presses.csv and force.svg.
     pub fn write(&self, folder: &OutputFolder) -> Result<(), PageError> {
         folder.write("calibration.toml", &self.file())?;

@@ -2,15 +2,19 @@
 
 use super::PageError;
 use super::facts::{columns, figure, interval, version};
+use super::paper_study::PaperPage;
 use super::tables::table;
 use crate::calibrate::FrameModel;
 use crate::estimate::{Detected, Value};
+use crate::output::Records;
 use crate::report::{AxisName, Item, LogPlot, LogPoint, LogSeries, LogStyle, Report, Section, Table, log_plot};
 use crate::statistics::RankHistogram;
-use crate::study::{Quantity, Summary, Told, Trial, UnknownSummary};
+use crate::study::{Parts, Quantity, Reader, Summary, Told, Trial, UnknownSummary, readings, trials};
+use serde_json::json;
+use std::path::{Path, PathBuf};
 
 /// A study, to be told of.
-pub struct Page<'a> {
+struct Page<'a> {
     /// Its name.
     pub name: &'a str,
     /// What it is of.
@@ -19,6 +23,82 @@ pub struct Page<'a> {
     pub summary: &'a Summary,
     /// The calibration.
     pub model: &'a FrameModel,
+}
+
+/// What is said of a study.
+pub struct Said {
+    /// Name of the table, and it.
+    pub table: (&'static str, String),
+    /// The page.
+    pub report: Report,
+    /// In words.
+    pub text: String,
+    /// For programs.
+    pub summary: serde_json::Value,
+}
+
+impl Said {
+    /// Writes the table and the page.
+    ///
+    /// # Errors
+    /// When they cannot be written.
+    pub fn write(&self, records: &Records) -> Result<(), PageError> {
+        records.write(self.table.0, &self.table.1)?;
+        Ok(records.write("report.html", &self.report.to_html())?)
+    }
+}
+
+/// Folders of a study's sweeps.
+pub struct Folders {
+    /// Phantoms with an inclusion.
+    pub phantoms: PathBuf,
+    /// Phantoms without, where they are asked for.
+    pub empty: Option<PathBuf>,
+}
+
+/// What a study is.
+pub struct About<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its file.
+    pub parts: &'a Parts,
+    /// Its own folder, as it is said.
+    pub out: &'a str,
+    /// The command that asked for it.
+    pub command: &'a str,
+}
+
+impl About<'_> {
+    /// What the images of its sweeps say by a reader; none where `observe`, which is told how many phantoms are read, of
+    /// how many, says no.
+    ///
+    /// # Errors
+    /// Folders that cannot be read so, a picture that cannot be drawn.
+    pub fn said(
+        &self,
+        reader: &Reader,
+        folders: &Folders,
+        observe: &(dyn Fn(usize, usize) -> bool + Sync),
+    ) -> Result<Option<Said>, PageError> {
+        let &Self { name, parts, out, command } = self;
+        let description = &parts.description;
+        match reader {
+            Reader::Paper(paper, calibration) => {
+                let found = readings(&folders.phantoms, paper, calibration.as_ref(), parts.exposure_ms, observe)?;
+                let Some(found) = found else { return Ok(None) };
+                let page = PaperPage { name, description, summary: &paper.summary(&found) };
+                page.said(&found, out, command).map(Some)
+            }
+            Reader::Model(model) => {
+                let tried = |folder: &Path, empty| trials(model, folder, parts.how(empty), observe);
+                let Some(phantoms) = tried(&folders.phantoms, false)? else { return Ok(None) };
+                let empty = folders.empty.as_deref().map_or(Ok(Some(Vec::new())), |folder| tried(folder, true))?;
+                let Some(empty) = empty else { return Ok(None) };
+                let summary = Summary::of(&phantoms, &empty)?;
+                Page { name, description, summary: &summary, model }.said(&phantoms, &empty, out, command).map(Some)
+            }
+        }
+    }
 }
 
 /// A quantity in words, and its unit.
@@ -47,7 +127,7 @@ fn percent(value: &Value) -> String {
 }
 
 /// Every trial as a row: truth, estimates with their intervals, reasons.
-pub fn csv(phantoms: &[Trial], empty: &[Trial]) -> Result<String, PageError> {
+fn csv(phantoms: &[Trial], empty: &[Trial]) -> Result<String, PageError> {
     let quantities = ["size_mm", "depth_mm", "youngs_kpa"];
     let ends = |name: &str| ["", "_low", "_high", "_undefined"].map(|end| format!("{name}{end}"));
     let mut heads = ["sweep", "row", "exposure"].map(str::to_owned).to_vec();
@@ -81,8 +161,21 @@ pub fn csv(phantoms: &[Trial], empty: &[Trial]) -> Result<String, PageError> {
 }
 
 impl Page<'_> {
+    /// All that is said, of a folder `out`, by a command.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn.
+    fn said(&self, phantoms: &[Trial], empty: &[Trial], out: &str, command: &str) -> Result<Said, PageError> {
+        Ok(Said {
+            table: ("estimates.csv", csv(phantoms, empty)?),
+            report: self.report(phantoms, command)?,
+            text: self.text(out),
+            summary: json!(self.summary),
+        })
+    }
+
     /// In words.
-    pub fn text(&self, out: &str) -> String {
+    fn text(&self, out: &str) -> String {
         let row = |name: &str, value: String| (name.to_owned(), value);
         let mut rows = self.facts();
         let told = |known: usize, error: String, half: Option<f64>, held: String| match known {
@@ -136,7 +229,7 @@ impl Page<'_> {
     ///
     /// # Errors
     /// A picture that cannot be drawn.
-    pub fn report(&self, trials: &[Trial], command: &str) -> Result<Report, PageError> {
+    fn report(&self, trials: &[Trial], command: &str) -> Result<Report, PageError> {
         let (mut facts, mut sections) = (self.facts(), Vec::new());
         if self.quantities().next().is_some() {
             facts.push(("smallest found in 95 of 100".to_owned(), super::facts::said(&self.summary.smallest_mm, "mm")));

@@ -26,6 +26,7 @@
 //! ```
 
 mod error;
+mod frame_files;
 mod prepare;
 mod read;
 mod session;
@@ -34,6 +35,7 @@ mod summary;
 mod truth;
 
 pub use error::PipelineError;
+pub use frame_files::{FrameFileError, FrameFiles, less};
 pub use prepare::{Order, Prepared, model_of};
 pub use read::{ReadAs, Reading, Reference};
 pub use session::{Session, Shelf};

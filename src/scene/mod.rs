@@ -6,6 +6,7 @@
 
 #[cfg(test)]
 mod bad_scenes;
+pub mod begin;
 pub mod contact;
 pub mod data_file;
 pub mod elastic;

@@ -6,19 +6,22 @@
 
 mod file;
 mod paper;
+mod reader;
 mod summary;
 mod trial;
 
 pub use file::{Parts, StudyFile};
 pub use paper::{Paper, PaperFigure, PaperSummary, Phantom, Reading, readings};
+pub use reader::Reader;
 pub use summary::{Group, Quantity, Reason, Summary, Told, UnknownSummary};
 pub use trial::{How, Other, Trial, trials};
 
 use crate::calibrate::CalibrateError;
 use crate::camera::ExposureError;
-use crate::estimate::GreyImageError;
+use crate::estimate::{CalibrationError, GreyImageError};
 use crate::mechanics::press::PressError;
 use crate::statistics::StatisticsError;
+use std::path::PathBuf;
 
 /// Why there is no study.
 #[derive(Debug, thiserror::Error)]
@@ -26,6 +29,18 @@ pub enum StudyError {
     /// A folder that is none of a sweep of phantoms that the calibration reads, an image that cannot be read.
     #[error(transparent)]
     Sweep(#[from] CalibrateError),
+    /// A calibration of the sensor that cannot be read.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// One that a stiffness cannot be found by.
+    #[error("{}: needs bottom_area_mm2 and force_n_from_sum_grey for a stiffness", file.display())]
+    Lacking {
+        /// Its file.
+        file: PathBuf,
+    },
+    /// The calibration that comes with the program is none.
+    #[error("the calibration that comes with the program is damaged")]
+    Damaged,
     /// A camera that makes no sense.
     #[error(transparent)]
     Exposure(#[from] ExposureError),

@@ -3,6 +3,7 @@
 use super::Sweep;
 use super::finish::finish;
 use super::ready::{Sent, Task, work};
+use super::shard::Shard;
 use super::shelf::Presses;
 use crate::mechanics::from_scene::press_setup;
 use crate::output::{OutputError, Records};
@@ -25,8 +26,8 @@ const LOOK: Duration = Duration::from_millis(200);
 pub struct Options {
     /// Threads that press; one traces beside them.
     pub workers: usize,
-    /// Only the part k of n of the points, k from 1.
-    pub shard: Option<(u32, u32)>,
+    /// Only this part of the points.
+    pub shard: Option<Shard>,
     /// Whether points that failed are computed again.
     pub retry: bool,
 }
@@ -71,7 +72,10 @@ pub fn run(
     observe: &mut Observer,
 ) -> Result<(), SweepError> {
     let (rows, shared) = ordered(sweep);
-    let mut rows = shard(rows, options.shard);
+    let mut rows = match options.shard {
+        Some(shard) => shard.of(&rows),
+        None => rows,
+    };
     let task = Task { sweep, records, shared: &shared, presses: &Presses::of(records) };
     let mut tally = Tally { done: 0, of: rows.len() };
     loop {
@@ -123,13 +127,6 @@ fn ordered(sweep: &Sweep) -> (Vec<usize>, HashSet<usize>) {
 fn press_of(sweep: &Sweep, row: usize) -> Option<String> {
     let loaded = sweep.scene(&sweep.plan.point(row).ok()?).ok()?;
     Some(format!("{:?}", press_setup(&loaded).ok()?))
-}
-
-/// A part of the rows: neighbours stay together.
-fn shard(rows: Vec<usize>, shard: Option<(u32, u32)>) -> Vec<usize> {
-    let Some((k, n)) = shard else { return rows };
-    let end = |k: u32| (rows.len() as u64 * u64::from(k) / u64::from(n.max(1))) as usize;
-    rows.get(end(k.saturating_sub(1))..end(k)).unwrap_or_default().to_vec()
 }
 
 /// Does work by as many threads of its own as cores are left to each of so many workers. Where presses share threads they

@@ -11,6 +11,7 @@ use super::gpu::{Gpu, GpuTracer};
 use super::model::{Model, Real};
 use super::modes::{CameraMode, Fates, PhotonMode, deposit_cells};
 use super::plan::Integrator;
+use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -34,6 +35,38 @@ pub enum Precision {
     F32,
     /// For reference.
     F64,
+}
+
+impl BackendChoice {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Gpu => "gpu",
+            Self::Cpu => "cpu",
+        }
+    }
+}
+
+impl FromStr for BackendChoice {
+    type Err = &'static str;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let all = [Self::Auto, Self::Gpu, Self::Cpu];
+        all.into_iter().find(|one| one.name() == name).ok_or("it must be auto, gpu or cpu")
+    }
+}
+
+impl FromStr for Precision {
+    type Err = &'static str;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        match name {
+            "f32" => Ok(Self::F32),
+            "f64" => Ok(Self::F64),
+            _ => Err("it must be f32 or f64"),
+        }
+    }
 }
 
 /// What traces: devices that stay open from image to image, with the kernels built on them, or the built-in tracer.

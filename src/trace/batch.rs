@@ -11,6 +11,7 @@ use super::plan::Integrator;
 use super::unfold::direct_light;
 use crate::film::Ledger;
 use crate::progress::{Observer, Stage};
+use std::collections::HashMap;
 use std::time::Instant;
 
 /// Threads that share the photons of a replicate.
@@ -147,12 +148,40 @@ pub struct Batch<'a> {
     pub pacer: Pacer,
     /// Sums over the replicates so far.
     pub totals: Totals,
+    /// What the photons of a map have left, by replicate, where more of them may follow.
+    kept: Option<HashMap<u32, Sent>>,
+}
+
+/// Photons of a replicate that were sent, `each` by every thread, and what they left.
+#[derive(Clone)]
+struct Sent {
+    threads: u32,
+    each: u32,
+    tally: [i64; book::SLOTS],
+    deposits: Vec<u64>,
+}
+
+impl Sent {
+    /// The same with those that followed. A sum that is full stays full.
+    fn and(mut self, more: &Self) -> Self {
+        self.tally.iter_mut().zip(more.tally).for_each(|(sum, v)| *sum += v);
+        self.deposits.iter_mut().zip(&more.deposits).for_each(|(sum, v)| *sum = sum.saturating_add(*v));
+        Self { each: more.each, ..self }
+    }
 }
 
 impl<'a> Batch<'a> {
     /// Nothing computed yet; `backend` holds the model.
     pub fn new(model: &'a Model<f64>, backend: &'a mut Backend, integrator: Integrator, seed: u32) -> Self {
-        Self { model, backend, integrator, seed, pacer: Pacer::default(), totals: Totals::default() }
+        let (pacer, totals) = (Pacer::default(), Totals::default());
+        Self { model, backend, integrator, seed, pacer, totals, kept: None }
+    }
+
+    /// Keeps what the photons of a map leave, from now on: the same replicate with more photons then sends those alone
+    /// that it lacks, with the sums of all.
+    #[must_use]
+    pub fn keeping(self) -> Self {
+        Self { kept: Some(HashMap::new()), ..self }
     }
 
     /// Computes replicate `index`: radiance in W/(m^2 sr), row-major.
@@ -280,8 +309,10 @@ impl<'a> Batch<'a> {
         let threads = photons.clamp(1, u64::from(THREADS)) as u32;
         let each = photons.div_ceil(u64::from(threads)).min(u64::from(u32::MAX)) as u32;
         let seed = stream(self.seed, index, 1);
+        let before = self.kept.as_mut().filter(|_| mode == PhotonMode::Map).and_then(|kept| kept.remove(&index));
+        let before = before.filter(|sent| sent.threads == threads && sent.each <= each);
         self.backend.clear_photons(mode)?;
-        let mut sample = 0;
+        let mut sample = before.as_ref().map_or(0, |sent| sent.each);
         while sample < each {
             let pace = (self.pacer.photons as u64 / u64::from(threads)).max(1);
             let samples = pace.min(u64::from(THREAD_PHOTONS)).min(u64::from(each - sample)) as u32;
@@ -294,12 +325,21 @@ impl<'a> Batch<'a> {
             }
         }
         let (tally, deposits) = self.backend.read_photons(mode)?;
+        self.totals.segments += tally[book::SEGMENTS].max(0) as u64;
+        let sent = Sent { threads, each, tally, deposits };
+        let sent = match before {
+            Some(before) => before.and(&sent),
+            None => sent,
+        };
+        if let (PhotonMode::Map, Some(kept)) = (mode, &mut self.kept) {
+            kept.insert(index, sent.clone());
+        }
+        let Sent { tally, deposits, .. } = sent;
         held(if mode == PhotonMode::Splat { "pixels" } else { "cells of the map" }, &deposits)?;
         let sent = u64::from(threads) * u64::from(each);
         debug_assert_eq!(tally[book::EMITTED], (sent as f64 * UNIT) as i64);
         self.totals.photons += sent;
         self.totals.times.photons += begun.elapsed().as_secs_f64();
-        self.totals.segments += tally[book::SEGMENTS].max(0) as u64;
         if mode != PhotonMode::Ledger && Kernel::of(self.model).aimed {
             // They are not followed to their ends.
             self.totals.tally[book::LOST] += tally[book::LOST];

@@ -37,10 +37,14 @@ const LEAST_PHOTONS: u64 = 1 << 22;
 const LEAST_PHOTONS_BESIDE_UNFOLDING: u64 = 1 << 20;
 /// Fewest photons of a replicate for an asked time.
 const FEW_PHOTONS: u64 = 1 << 12;
-/// Photons of a replicate that an asked error begins with: in an image of full size they take less than its camera
-/// paths and its map do, which each attempt pays for. With an eighth of them a phantom at 1 % took three attempts, not
-/// two.
+/// Photons of a replicate that an error of [`FIRST_ERROR`] begins with, and the most times more for a smaller one: in an
+/// image of full size they take less than its camera paths and its map do, which each attempt pays for.
 const FIRST_PHOTONS: u64 = 1 << 15;
+const FIRST_ERROR: f64 = 0.02;
+const MOST_FIRST: f64 = 4.0;
+/// Photons for an asked error over those that match the camera paths by themselves: those of `phantom-size-8mm` are
+/// 1.3 times as much of the error of an image, a photon for a camera path, and 0.2 times as long on their way.
+const PHOTONS_FIRST: u64 = 2;
 /// Most camera paths per pixel for an asked error.
 const MOST_SPP: u32 = 1 << 24;
 /// What is taken above the work that an error found asks for, and the most at once: a first error may be a poor guess.
@@ -146,14 +150,8 @@ fn blotches(integrator: Integrator, film: &Film) -> Option<String> {
     ))
 }
 
-/// Renders a model. `observe` is called between chunks; false stops the work. For an asked error each rendering counts
+/// Renders a model. `observe` is called between chunks; false stops the work. For an asked error each attempt counts
 /// from 0 to 1 by itself.
-///
-/// For an asked error it renders with the least work first, and from what that leaves anew with as much as it takes:
-/// the smoothing of a map is then chosen for the noise of the whole, and its bias shrinks with it, where added
-/// replicates would keep a kernel for more noise. The least work is a camera path per pixel and replicate, and few
-/// photons: these are more by themselves until they match the camera paths, since each of those reads the smoothed map,
-/// whose noise is most of the error; and with them from there.
 ///
 /// # Errors
 /// `Unsuited` where the integrator does not suit the scene; as [`Devices::load`] and [`render_on`].
@@ -163,22 +161,50 @@ pub fn render(
     settings: &Settings,
     observe: &mut Observer,
 ) -> Result<Outcome, TraceError> {
-    let Some(target) = settings.target_error else {
-        return once(devices, model, settings, observe);
+    let start = Instant::now();
+    let mut backend = devices.load(model)?;
+    let opening = start.elapsed().as_secs_f64();
+    let outcome = match settings.target_error {
+        Some(target) => until(&mut backend, model, settings, target, observe)?,
+        None => render_on(&mut backend, model, settings, observe)?,
     };
+    Ok(Outcome {
+        notice: devices.notice().map(str::to_owned).into_iter().chain(outcome.notice).reduce(|a, b| a + "; " + &b),
+        setup_seconds: opening + outcome.setup_seconds,
+        ..outcome
+    })
+}
+
+/// Renders until the relative error is at most `target`.
+///
+/// It renders with the least work first, and from what that leaves anew with as much as it takes: the smoothing of a
+/// map is then chosen for the noise of the whole, and its bias shrinks with it, where added replicates would keep a
+/// kernel for more noise. What the photons of a map have left is kept: it is that of the first of more, bit by bit. The
+/// least work is a camera path per pixel and replicate, and few photons: these are more by themselves until they match
+/// the camera paths, since each of those reads the smoothed map, whose noise is most of the error; and with them from
+/// there.
+fn until(
+    backend: &mut Backend,
+    model: &Model<f64>,
+    settings: &Settings,
+    target: f64,
+    observe: &mut Observer,
+) -> Result<Outcome, TraceError> {
     let kernel = Kernel::of(model);
     let integrator = Plan::choose(settings.integrator, &kernel)?.integrator;
-    let each = photons(&kernel, integrator, pixels(model)).max(FEW_PHOTONS) as f64;
+    let each = (PHOTONS_FIRST * photons(&kernel, integrator, pixels(model))).max(FEW_PHOTONS) as f64;
     // Camera paths per pixel that the photons match: at first fewer than there are.
     let mut work = f64::from(REPLICATES);
     if integrator != Integrator::Path {
-        work *= (FIRST_PHOTONS as f64 / each).min(1.0);
+        let first = FIRST_PHOTONS as f64 * (FIRST_ERROR / target).powi(2).clamp(1.0, MOST_FIRST);
+        work *= (first / each).min(1.0);
     }
+    let mut batch = Batch::new(model, backend, integrator, settings.seed).keeping();
     let (mut seconds, mut setup_seconds, mut segments, mut times) = (0.0, 0.0, 0, Times::default());
     loop {
         let spp = (work.ceil() as u32).max(REPLICATES);
         let photons = Some((each * work) as u64);
-        let outcome = once(devices, model, &Settings { spp, photons, ..settings.clone() }, observe)?;
+        let outcome = render_batch(&mut batch, &Settings { spp, photons, ..settings.clone() }, observe)?;
         seconds += outcome.seconds;
         setup_seconds += outcome.setup_seconds;
         segments += outcome.segments;
@@ -199,25 +225,6 @@ pub fn render(
     }
 }
 
-/// Renders with the work of the settings, or for their seconds.
-fn once(
-    devices: &Devices,
-    model: &Model<f64>,
-    settings: &Settings,
-    observe: &mut Observer,
-) -> Result<Outcome, TraceError> {
-    let start = Instant::now();
-    let mut backend = devices.load(model)?;
-    let opening = start.elapsed().as_secs_f64();
-    let outcome = render_on(&mut backend, model, settings, observe)?;
-    let setup_seconds = opening + outcome.setup_seconds;
-    Ok(Outcome {
-        notice: devices.notice().map(str::to_owned).into_iter().chain(outcome.notice).reduce(|a, b| a + "; " + &b),
-        setup_seconds,
-        ..outcome
-    })
-}
-
 /// Renders on a backend that holds the model already: one device for many seeds. Work is that of the settings, or for
 /// their seconds; an asked error plays no part.
 ///
@@ -230,10 +237,16 @@ pub fn render_on(
     settings: &Settings,
     observe: &mut Observer,
 ) -> Result<Outcome, TraceError> {
+    let integrator = Plan::choose(settings.integrator, &Kernel::of(model))?.integrator;
+    render_batch(&mut Batch::new(model, backend, integrator, settings.seed), settings, observe)
+}
+
+/// Renders by a batch that begins anew, but for what it keeps.
+fn render_batch(batch: &mut Batch, settings: &Settings, observe: &mut Observer) -> Result<Outcome, TraceError> {
+    let (model, start) = (batch.model, Instant::now());
     let kernel = Kernel::of(model);
     let plan = Plan::choose(settings.integrator, &kernel)?;
-    let start = Instant::now();
-    let mut batch = Batch::new(model, backend, plan.integrator, settings.seed);
+    batch.totals = Totals::default();
     let pixels = pixels(model);
     let spp = (settings.spp / REPLICATES).clamp(1, REPLICATE_PATHS);
     let mut replicates = settings.spp.div_ceil(spp).max(REPLICATES);
@@ -268,7 +281,7 @@ pub fn render_on(
     let needs_ledger = batch.integrator == Integrator::Path || kernel.aimed;
     let first = replicates.min(2 * REPLICATES);
     let mut gather = match batch.integrator {
-        Integrator::Map => Some(Gather::collect(&mut batch, first, work, &mut |done| {
+        Integrator::Map => Some(Gather::collect(batch, first, work, &mut |done| {
             observe(Stage { done: PHOTON_SHARE * done, what: "photons" })
         })?),
         Integrator::Path | Integrator::Splat => None,
@@ -286,7 +299,7 @@ pub fn render_on(
             observe(Stage { done: done.min(1.0), what })
         };
         let replicate = match &mut gather {
-            Some(gather) => gather.replicate(&mut batch, index, work, &mut observe)?,
+            Some(gather) => gather.replicate(batch, index, work, &mut observe)?,
             None => batch.replicate(index, work, &mut observe)?,
         };
         sum.add(&replicate).map_err(|e| TraceError::Driver(e.to_string()))?;

@@ -5,7 +5,7 @@ use crate::films::gpu;
 use crate::scenes::Case;
 use std::sync::Arc;
 use tirtouch::trace::backend::{BackendChoice, Precision};
-use tirtouch::trace::batch::{Batch, Work};
+use tirtouch::trace::batch::{Batch, Totals, Work};
 use tirtouch::trace::gpu::{Gpu, GpuTracer};
 use tirtouch::trace::plan::Integrator;
 use tirtouch::trace::{Backend, Devices, Model, TraceError};
@@ -66,6 +66,31 @@ fn what_is_prepared_is_all_that_a_replicate_needs_on_one_device_and_on_two() {
         });
         assert!(films[0].iter().any(|&v| v > 0.0));
         assert_eq!(films[0], films[1], "{}: one device and two", integrator.name());
+    }
+}
+
+#[test]
+fn photons_that_follow_kept_ones_make_the_image_of_all_of_them() {
+    for preset in ["contact-disc", "press-hertz"] {
+        let Some(adapter) = require_gpu() else { return };
+        let model = Case::preset(preset).model([32, 24]);
+        let mut backend = gpu(adapter, &model);
+        let few = Work { spp: 2, photons: 1 << 16 };
+        let many = Work { photons: 5 << 16, ..few };
+        let traced = |batch: &mut Batch, work: Work| {
+            batch.totals = Totals::default();
+            (batch.replicate(3, work, &mut |_| true).unwrap(), batch.totals)
+        };
+        let (all, whole) = traced(&mut Batch::new(&model, &mut backend, Integrator::Map, 1), many);
+        let mut batch = Batch::new(&model, &mut backend, Integrator::Map, 1).keeping();
+        let (first, part) = traced(&mut batch, few);
+        let (kept, rest) = traced(&mut batch, many);
+        assert!(first != all && kept == all, "{preset}");
+        assert_eq!((rest.photons, rest.ledger(), rest.fates), (whole.photons, whole.ledger(), whole.fates), "{preset}");
+        // Camera paths are traced each time, photons once.
+        assert_eq!(part.segments + rest.segments, whole.segments + part.fates.segments, "{preset}");
+        // Fewer are not a part of what is kept.
+        assert_eq!(traced(&mut batch, few).0, first, "{preset}");
     }
 }
 

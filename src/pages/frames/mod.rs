@@ -1,10 +1,12 @@
 //! Pressure frames and their features.
 
+mod input;
 mod page;
 mod pictures;
 mod source;
 mod tissue;
 
+pub use input::{Input, InputError};
 pub use pictures::Pictures;
 pub use source::{Computed, Source, setup_of};
 

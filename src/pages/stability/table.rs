@@ -5,8 +5,15 @@ use crate::pages::facts::figure;
 use crate::stability::{Part, Row};
 use serde_json::{Value, json};
 
+/// All rows as an object, with the GPU's name where one was checked.
+pub fn all_json(rows: &[Row], adapter: Option<&str>) -> Value {
+    let failed = rows.iter().filter(|row| !row.passed).count();
+    let rows: Vec<_> = rows.iter().map(json).collect();
+    json!({"passed": failed == 0, "failed": failed, "adapter": adapter, "rows": rows})
+}
+
 /// A row as an object.
-pub fn json(row: &Row) -> Value {
+fn json(row: &Row) -> Value {
     let number = |value: f64| match value.is_finite() {
         true => json!(value),
         false => json!({"undefined": row.reason}),
