@@ -10,7 +10,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
-use tirtouch::calibrate::{Frames, Inferred, Presses, check_depths, ready};
+use tirtouch::calibrate::{Frames, Inferred, Presses, check_depths, check_forces, ready};
 use tirtouch::camera::top_grey;
 use tirtouch::estimate as read;
 use tirtouch::estimate::{Detected, GreyImage};
@@ -129,7 +129,7 @@ pub fn estimate(
 ) -> Result<Estimates, Trouble> {
     let told = check_depths(&depths_mm, frames.len());
     told.map_err(|why| PyValueError::new_err(format!("depths_mm {why}")))?;
-    check_forces(forces_n.as_deref(), force_error, frames.len())?;
+    check_measured(forces_n.as_deref(), force_error, frames.len())?;
     let frames = frames.iter().enumerate().map(|(k, frame)| Levels::of(frame, k)).collect::<PyResult<Vec<_>>>()?;
     let given = calibration.map(Given::model).transpose()?;
     let Some(model) = given.as_deref().or(ready()) else {
@@ -142,21 +142,20 @@ pub fn estimate(
     };
     let images = frames.iter().enumerate().map(|(k, frame)| frame.image(k, &camera.0));
     let images = images.collect::<PyResult<Vec<_>>>()?;
+    let images: Vec<&GreyImage> = images.iter().collect();
     let forces_n = forces_n.as_deref().unwrap_or_default();
     let presses = Presses { depths_mm: &depths_mm, forces_n, force_error };
     let found = py.detach(|| model.inverted(&Frames::of(&camera, &images, presses)));
     Ok(Estimates::of(found.0, Some(found.1)))
 }
 
-fn check_forces(forces_n: Option<&[f64]>, force_error: f64, frames: usize) -> PyResult<()> {
+fn check_measured(forces_n: Option<&[f64]>, force_error: f64, frames: usize) -> PyResult<()> {
     let positive = |number: f64| number.is_finite() && number > 0.0;
     if !positive(force_error) {
         return Err(PyValueError::new_err(format!("force_error must be a finite number above 0, is {force_error}")));
     }
     let Some(forces_n) = forces_n else { return Ok(()) };
-    if forces_n.len() != frames {
-        return Err(PyValueError::new_err(format!("forces_n gives {} forces for {frames} frames", forces_n.len())));
-    }
+    check_forces(forces_n, frames).map_err(|why| PyValueError::new_err(format!("forces_n {why}")))?;
     match forces_n.iter().find(|force_n| !positive(**force_n)) {
         Some(wrong) => Err(PyValueError::new_err(format!("forces_n must be finite numbers above 0, one is {wrong}"))),
         None => Ok(()),

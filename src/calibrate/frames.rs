@@ -49,7 +49,7 @@ pub fn check_depths(depths_mm: &[f64], frames: usize) -> Result<(), String> {
     twice.next().map_or(Ok(()), |(_, depth)| Err(format!("gives {depth} twice")))
 }
 
-/// Whether forces are those of so many frames; none are.
+/// Whether forces are those of so many frames, or none are given.
 ///
 /// # Errors
 /// Says that they are not.
@@ -63,9 +63,9 @@ pub fn check_forces(forces_n: &[f64], frames: usize) -> Result<(), String> {
 
 impl<'a> Frames<'a> {
     /// Frames with the depth, mm, and where it was measured the force, N, of each one's press.
-    pub fn of((camera, wavelength_nm): &'a (Camera, f64), images: &'a [GreyImage], press: Presses<'_>) -> Self {
+    pub fn of((camera, wavelength_nm): &'a (Camera, f64), images: &[&'a GreyImage], press: Presses<'_>) -> Self {
         let Presses { depths_mm, forces_n, force_error } = press;
-        let frame = |(k, image): (usize, &'a GreyImage)| {
+        let frame = |(k, image): (usize, &&'a GreyImage)| {
             let depth_mm = depths_mm.get(k).copied()?;
             Some(PressFrame { depth_mm, image, force_n: forces_n.get(k).copied() })
         };

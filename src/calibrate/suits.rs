@@ -32,7 +32,7 @@ impl FrameModel {
         outside.next().map_or(Ok(()), Err)
     }
 
-    /// The camera that took frames of so many pixels, and the wavelength of its light: that of a scene, else the
+    /// The camera that took frames of so many pixels, and the wavelength of its light, nm: that of a scene, else the
     /// calibration's own.
     ///
     /// # Errors

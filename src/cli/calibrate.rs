@@ -11,9 +11,6 @@ use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Name of the file that is learnt.
-const FILE: &str = "calibration.json";
-
 /// Learn what a sensor's frames say of an inclusion, from phantoms that sweeps press and trace; or, of a scene,
 /// calibrate its sensor: mm per pixel from a target, force from the sum of grey values. `estimate --calibration` and `run
 /// --calibration` read frames by either.
@@ -64,7 +61,7 @@ impl Calibrate {
         if !self.how.talk.quiet {
             note(&format!("learning from {phantoms} phantoms"));
         }
-        let (model, file) = (trainings.learn()?, out.join(FILE));
+        let (model, file) = (trainings.learn()?, out.join("calibration.json"));
         model.write(&file)?;
         let told = json!({"phantoms": phantoms, "scores": model.scores(), "file": file});
         self.how.talk.tell(
@@ -79,8 +76,7 @@ impl Calibrate {
         let loads = model.depths_mm.len();
         let frames = if self.frames.is_empty() { vec![1; loads] } else { self.frames.clone() };
         if frames.len() != loads || frames.iter().all(|count| *count == 0) {
-            let message =
-                format!("--frames: give {loads} numbers, one for each load of the calibration, and not only 0");
+            let message = format!("--frames: give {loads} numbers, one for each load, and not only 0");
             return Err(Failure::usage(message));
         }
         let (mut camera, wavelength_nm) = model.own_camera()?;

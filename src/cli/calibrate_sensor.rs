@@ -25,9 +25,10 @@ pub(super) fn run(file: &Path, common: Common) -> Result<Outcome, Failure> {
     let refused = |Invalid { key, message, .. }: Invalid| {
         Failure::input(format!("{}: {message}", file.display())).in_file(file).at_key(key)
     };
-    let loaded = Arc::new(at_depths(&open(file)?.0).map_err(refused)?);
+    at_depths(&open(file)?.0).map_err(refused)?;
     let common = Common { without_inclusions: true, ..common };
     let mut job = Job::read(&SceneFile { scene: file.into(), set: Vec::new() }, &common)?;
+    let loaded = Arc::new(at_depths(&job.loaded).map_err(refused)?);
     job.loaded = loaded.clone();
     let scene = &loaded.scene;
     let view = view_of(scene).map_err(|error| Failure::of_scene(PipelineError::from(error), file))?;

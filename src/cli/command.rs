@@ -1,6 +1,7 @@
 //! The command line as it was given, for results and reports.
 
 use super::Failure;
+use crate::output::{Finished, OutputFolder};
 use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -71,10 +72,6 @@ pub(super) fn command_of_light() -> String {
 }
 
 /// Puts a folder in its place, with the command line in its result, unless the user has asked to stop.
-pub(super) fn commit(
-    folder: crate::output::OutputFolder,
-    scene: Option<&str>,
-    result: Value,
-) -> Result<crate::output::Finished, Failure> {
+pub(super) fn commit(folder: OutputFolder, scene: Option<&str>, result: Value) -> Result<Finished, Failure> {
     Ok(folder.commit(scene, with_command(result), &|| !super::cancel::requested())?)
 }

@@ -1,7 +1,7 @@
 //! `converge`: error against run time.
 
 use super::command::described;
-use super::flags::{Backend, Place};
+use super::flags::{Backend, Place, one_of};
 use super::job::{check_light, watched};
 use super::{Failure, Outcome, PressFailure, Talk};
 use crate::converge::{Climb, ClimbError, Part};
@@ -30,8 +30,8 @@ pub(super) struct Converge {
     /// Divide the camera's pixels along each side by this [default: 1, quick: 8].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64), allow_negative_numbers = true)]
     shrink: Option<u32>,
-    /// Only the ladders of the light, or of the mechanics.
-    #[arg(long, value_name = "light|mechanics")]
+    /// Only the ladders of the light, for which a press is run once, or of the mechanics.
+    #[arg(long, value_parser = one_of::<Part, 2>(["light", "mechanics"]))]
     only: Option<Part>,
     #[command(flatten)]
     place: Place,

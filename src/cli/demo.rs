@@ -28,8 +28,7 @@ pub(super) struct Demo {
 impl Demo {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let mut common = self.common.clone();
-        let budget = common.seconds.is_some() || common.target_error.is_some();
-        if !budget {
+        if common.seconds.or(common.target_error).is_none() {
             common.spp.get_or_insert(SPP);
         }
         let place = &mut common.place;

@@ -56,14 +56,14 @@ impl Estimate {
         let files = FrameFiles { scene: exposure.as_ref().map(|loaded| &loaded.scene), bits: self.full_scale_bits };
         let reference = self.reading.reference.as_deref();
         let reference = reference.map(|file| Ok::<_, Failure>((file, self.read(&files, file)?))).transpose()?;
-        let images = self.images.iter().map(|file| self.read(&files, file)).collect::<Result<Vec<_>, _>>()?;
-        let measure = |(file, image): (&PathBuf, &GreyImage)| {
-            let threshold = self.threshold_grey(file, image)?;
-            Ok(Measured::of((file, image), reference.as_ref(), threshold, calibration.as_ref())?)
-        };
-        let measured = self.images.iter().zip(&images).map(measure).collect::<Result<Vec<_>, Failure>>()?;
+        let mut measured = Vec::new();
+        for file in &self.images {
+            let image = self.read(&files, file)?;
+            let threshold = self.threshold_grey(file, &image)?;
+            measured.push(Measured::of((file, image), reference.as_ref(), threshold, calibration.as_ref())?);
+        }
         let (inclusion, inferred) = match &model {
-            Some(model) => self.inclusion(model, exposure.as_ref(), &images)?,
+            Some(model) => self.inclusion(model, exposure.as_ref(), &measured)?,
             None => (Estimates::without_model(), Err("no calibrated model".to_owned())),
         };
         let relative = relative_stiffness(&measured, reference.is_some(), calibration.as_ref());
@@ -76,9 +76,10 @@ impl Estimate {
         &self,
         model: &FrameModel,
         exposure: Option<&LoadedScene>,
-        images: &[GreyImage],
+        measured: &[Measured],
     ) -> Result<(Estimates, Result<Inferred, String>), Failure> {
         let usage = |flag: &'static str| move |why: String| Failure::usage(format!("`{flag}` {why}"));
+        let images: Vec<&GreyImage> = measured.iter().map(Measured::raw).collect();
         check_depths(&self.depths_mm, images.len()).map_err(usage("--depths-mm"))?;
         check_forces(&self.forces_n, images.len()).map_err(usage("--forces-n"))?;
         let size = images.first().map_or([0; 2], |image| [image.width() as u32, image.height() as u32]);
@@ -88,7 +89,7 @@ impl Estimate {
             force_error: self.force_error.unwrap_or(FORCE_ERROR),
         };
         Ok(match model.camera_of(exposure, size) {
-            Ok(camera) => model.inverted(&Frames::of(&camera, images, presses)),
+            Ok(camera) => model.inverted(&Frames::of(&camera, &images, presses)),
             Err(why) => (Estimates::undefined(&why), Err(why)),
         })
     }

@@ -6,8 +6,10 @@ use crate::scene::{IntegratorChoice, LoadedScene, open};
 use crate::trace::{BackendChoice, Devices, Precision, Settings};
 use crate::vary::{self, Set};
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::fmt::Display;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// What a command says while it runs and when it is done.
 #[derive(Debug, Clone, Default, Args)]
@@ -31,7 +33,7 @@ impl Talk {
 /// The folder that a command writes.
 #[derive(Debug, Clone, Default, Args)]
 pub struct Place {
-    /// Folder to write, in whole or not at all [default: in out/, by the name of what it is of].
+    /// Folder to write [default: in out/, by the name of what it is of].
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace the folder, if this program wrote all that it holds.
@@ -59,7 +61,7 @@ impl Place {
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct Backend {
     /// The GPU where there is one, else the CPU (auto), the GPU or fail (gpu), the CPU twin (cpu).
-    #[arg(long, value_name = "auto|gpu|cpu", default_value = "auto")]
+    #[arg(long, value_parser = one_of::<BackendChoice, 3>(["auto", "gpu", "cpu"]), default_value = "auto")]
     pub backend: BackendChoice,
 }
 
@@ -111,7 +113,7 @@ pub struct Common {
     #[allow(missing_docs)] // as above
     pub backend: Backend,
     /// Arithmetic; f64 on the cpu only.
-    #[arg(long, value_name = "f32|f64", default_value = "f32")]
+    #[arg(long, value_parser = one_of::<Precision, 2>(["f32", "f64"]), default_value = "f32")]
     pub precision: Precision,
     /// Light-transport method [default: the scene's].
     #[arg(long, value_name = "auto|path|splat|map")]
@@ -163,6 +165,14 @@ impl Common {
             seed: self.seed.unwrap_or(scene.seed),
         }
     }
+}
+
+/// A choice by its name, which shells complete.
+pub(super) fn one_of<T, const N: usize>(names: [&'static str; N]) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr<Err = &'static str> + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
 }
 
 /// A finite number above 0.

@@ -1,9 +1,8 @@
 //! The command line: one file per command.
 //!
 //! To add a command: a file with a struct of its arguments (`clap::Args`, with [`Common`] or [`Talk`] flattened in) and
-//! a `run` that returns an [`Outcome`] or a [`Failure`]; a line in `commands`. `compare`
-//! is the shortest example. Long work polls [`cancel::check`], reports to a [`Progress`] and writes into an
-//! [`crate::output::OutputFolder`].
+//! a `run` that returns an [`Outcome`] or a [`Failure`]; a line in `commands`. `compare` is a short example. Long work
+//! polls [`cancel::check`], reports to a [`Progress`] and writes into an [`crate::output::OutputFolder`].
 
 mod calibrate;
 mod calibrate_sensor;

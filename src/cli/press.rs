@@ -67,13 +67,12 @@ impl Press {
             result["error"] = failure.json()["error"].take();
         }
         let done = command::commit(folder, Some(&loaded.text), result)?;
-        let out = done.out;
         if stopped.is_some() {
-            super::note(&format!("what was reached is in {out}"));
+            super::note(&format!("what was reached is in {}", done.out));
             return Ok(());
         }
         let mut rows = press_rows(pressed);
-        rows.push(("folder".into(), format!("{out}: contact.csv deformed.vtu pressure.svg report.html")));
+        rows.push(("folder".into(), format!("{}: contact.csv deformed.vtu pressure.svg report.html", done.out)));
         self.talk.tell(&done.json, format!("{}\n{}", loaded.scene.name, columns(&rows))).map(|_| ())
     }
 }

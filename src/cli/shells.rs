@@ -4,7 +4,7 @@ use super::{CommandLine, Failure, Outcome, print};
 use crate::output::fill_whole;
 use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Print what a shell needs to complete commands and flags.
 ///
@@ -38,8 +38,7 @@ impl Man {
             let message = format!("{}: is no folder; give one for the pages", self.folder.display());
             return Err(Failure::usage(message).in_file(&self.folder));
         }
-        let generate = |place: &Path| clap_mangen::generate_to(CommandLine::command(), place);
-        fill_whole(&self.folder, generate)?;
+        fill_whole(&self.folder, |place| clap_mangen::generate_to(CommandLine::command(), place))?;
         Ok(Outcome::Done)
     }
 }

@@ -1,6 +1,7 @@
 //! `stability`: the extreme cases, each with its reference and its error.
 
 use super::command::{self, described};
+use super::flags::one_of;
 use super::job::watched;
 use super::{Failure, Outcome, Talk, note};
 use crate::output::OutputFolder;
@@ -27,7 +28,7 @@ pub(super) struct Stability {
     force: bool,
     /// What is checked: the CPU twin, and the GPU where there is one (auto), the GPU or fail (gpu), the twin alone
     /// (cpu).
-    #[arg(long, value_name = "auto|gpu|cpu", default_value = "auto")]
+    #[arg(long, value_parser = one_of::<BackendChoice, 3>(["auto", "gpu", "cpu"]), default_value = "auto")]
     backend: BackendChoice,
     #[command(flatten)]
     talk: Talk,

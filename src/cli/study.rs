@@ -6,7 +6,6 @@ use super::sweep::How;
 use super::{Failure, Outcome, note};
 use crate::output::{RESULT, Records};
 use crate::pages::study::{About, Folders};
-use crate::progress::Stage;
 use crate::study::{Parts, Reader, StudyFile};
 use clap::Args;
 use serde_json::json;
@@ -33,11 +32,7 @@ impl Study {
         let records = Records::join(&out, &json!({"kind": kind}), false, out.is_dir())?;
         let folders = self.folders(&parts, &out)?;
         let page = About { name: &name, parts: &parts, out: &out.display().to_string(), command: &command_line() };
-        let watch = watching(self.how.talk.quiet);
-        let observe = |done: usize, all: usize| {
-            watch(Stage { done: done as f64 / all.max(1) as f64, what: &format!("phantom {done} of {all}") })
-        };
-        let said = page.said(&reader, &folders, &observe)?.ok_or_else(Failure::cancelled)?;
+        let said = page.said(&reader, &folders, &watching(self.how.talk.quiet))?.ok_or_else(Failure::cancelled)?;
         said.write(&records)?;
         let result = described(said.summary, Some(&out));
         records.write(RESULT, &format!("{result:#}\n"))?;

@@ -19,15 +19,17 @@ pub(super) fn asks_for_json(arguments: impl Iterator<Item = OsString>) -> bool {
 }
 
 pub(super) fn parse(arguments: impl Iterator<Item = OsString>) -> Result<Parsed, Failure> {
-    CommandLine::try_parse_from(arguments).map(|line| Parsed::CommandLine(Box::new(line))).or_else(|error| match error
-        .kind()
-    {
+    let error = match CommandLine::try_parse_from(arguments) {
+        Ok(line) => return Ok(Parsed::CommandLine(Box::new(line))),
+        Err(error) => error,
+    };
+    match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Ok(Parsed::Text(error.render().to_string())),
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             Err(Failure::usage("a command is missing; `tirtouch --help` lists them"))
         }
         _ => Err(Failure::usage(one_line(&error.render().to_string()))),
-    })
+    }
 }
 
 /// What clap says before it comes to the usage, as one line.

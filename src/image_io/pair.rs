@@ -9,9 +9,9 @@ use std::path::Path;
 /// Two images, with what is known of how they were made.
 #[derive(Debug, Clone)]
 pub struct Pair {
-    /// The first.
+    /// The first, W/(m^2 sr).
     pub a: Film,
-    /// The second.
+    /// The second, in the same unit.
     pub b: Film,
     origins: Option<[Provenance; 2]>,
 }
@@ -33,7 +33,8 @@ impl Pair {
         Ok(Self { a: first, b: second, origins })
     }
 
-    /// Compares them by their variances, replicate by replicate where they are known to share random numbers.
+    /// Compares them by their variances, replicate by replicate where they are known to share random numbers; `level` is
+    /// the chance of calling equal images different.
     ///
     /// # Errors
     /// Images that cannot be compared.

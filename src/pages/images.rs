@@ -13,7 +13,10 @@ use std::path::{Path, PathBuf};
 /// One image and its figures.
 pub struct Measured {
     pub path: PathBuf,
+    /// What was measured: as the file has it, or less a reference.
     pub image: GreyImage,
+    /// As the file has it, where a reference was subtracted.
+    raw: Option<GreyImage>,
     pub threshold_grey: f64,
     pub paper: PaperEstimate,
 }
@@ -24,21 +27,26 @@ impl Measured {
     /// # Errors
     /// A reference of other pixels or levels.
     pub fn of(
-        (path, raw): (&Path, &GreyImage),
+        (path, raw): (&Path, GreyImage),
         reference: Option<&(&Path, GreyImage)>,
         threshold_grey: f64,
         calibration: Option<&Calibration>,
     ) -> Result<Self, FrameFileError> {
-        let image = match reference {
-            Some((file, reference)) => less(raw, reference, file)?,
-            None => raw.clone(),
+        let (image, raw) = match reference {
+            Some((file, reference)) => (less(&raw, reference, file)?, Some(raw)),
+            None => (raw, None),
         };
         let mut paper = estimate(&image, &settings(threshold_grey, reference.is_some()));
         paper.warnings.extend(scattered(&image, threshold_grey));
         if let Some(calibration) = calibration {
             paper = paper.scaled(calibration.mm_per_pixel);
         }
-        Ok(Self { path: path.into(), image, threshold_grey, paper })
+        Ok(Self { path: path.into(), image, raw, threshold_grey, paper })
+    }
+
+    /// The image as its file has it.
+    pub fn raw(&self) -> &GreyImage {
+        self.raw.as_ref().unwrap_or(&self.image)
     }
 }
 
@@ -74,7 +82,7 @@ pub fn text(
 ) -> String {
     let row = |name: &str, value: String| (name.to_owned(), value);
     let mut text = String::new();
-    for Measured { path, image, threshold_grey, paper } in measured {
+    for Measured { path, image, threshold_grey, paper, .. } in measured {
         let mut rows = vec![
             row("pixels", format!("{} x {}", image.width(), image.height())),
             row(

@@ -7,22 +7,23 @@ use super::tables::table;
 use crate::calibrate::FrameModel;
 use crate::estimate::{Detected, Value};
 use crate::output::Records;
+use crate::progress::Stage;
 use crate::report::{AxisName, Item, LogPlot, LogPoint, LogSeries, LogStyle, Report, Section, Table, log_plot};
 use crate::statistics::RankHistogram;
 use crate::study::{Parts, Quantity, Reader, Summary, Told, Trial, UnknownSummary, readings, trials};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A study, to be told of.
 struct Page<'a> {
     /// Its name.
-    pub name: &'a str,
+    name: &'a str,
     /// What it is of.
-    pub description: &'a str,
+    description: &'a str,
     /// What came out.
-    pub summary: &'a Summary,
+    summary: &'a Summary,
     /// The calibration.
-    pub model: &'a FrameModel,
+    model: &'a FrameModel,
 }
 
 /// What is said of a study.
@@ -69,8 +70,7 @@ pub struct About<'a> {
 }
 
 impl About<'_> {
-    /// What the images of its sweeps say by a reader; none where `observe`, which is told how many phantoms are read, of
-    /// how many, says no.
+    /// What the images of its sweeps say by a reader; none where `observe` says no.
     ///
     /// # Errors
     /// Folders that cannot be read so, a picture that cannot be drawn.
@@ -78,22 +78,31 @@ impl About<'_> {
         &self,
         reader: &Reader,
         folders: &Folders,
-        observe: &(dyn Fn(usize, usize) -> bool + Sync),
+        observe: &(dyn Fn(Stage) -> bool + Sync),
     ) -> Result<Option<Said>, PageError> {
         let &Self { name, parts, out, command } = self;
+        let sweeps = if folders.empty.is_some() { 2.0 } else { 1.0 };
+        let heard = |before: f64| {
+            move |done: usize, all: usize| {
+                let share = (before + done as f64 / all.max(1) as f64) / sweeps;
+                observe(Stage { done: share, what: &format!("phantom {done} of {all}") })
+            }
+        };
         let description = &parts.description;
         match reader {
             Reader::Paper(paper, calibration) => {
-                let found = readings(&folders.phantoms, paper, calibration.as_ref(), parts.exposure_ms, observe)?;
+                let found = readings(&folders.phantoms, paper, calibration.as_ref(), parts.exposure_ms, &heard(0.0))?;
                 let Some(found) = found else { return Ok(None) };
                 let page = PaperPage { name, description, summary: &paper.summary(&found) };
                 page.said(&found, out, command).map(Some)
             }
             Reader::Model(model) => {
-                let tried = |folder: &Path, empty| trials(model, folder, parts.how(empty), observe);
-                let Some(phantoms) = tried(&folders.phantoms, false)? else { return Ok(None) };
-                let empty = folders.empty.as_deref().map_or(Ok(Some(Vec::new())), |folder| tried(folder, true))?;
-                let Some(empty) = empty else { return Ok(None) };
+                let phantoms = trials(model, &folders.phantoms, parts.how(false), &heard(0.0))?;
+                let empty = match &folders.empty {
+                    Some(folder) if phantoms.is_some() => trials(model, folder, parts.how(true), &heard(1.0))?,
+                    _ => Some(Vec::new()),
+                };
+                let (Some(phantoms), Some(empty)) = (phantoms, empty) else { return Ok(None) };
                 let summary = Summary::of(&phantoms, &empty)?;
                 Page { name, description, summary: &summary, model }.said(&phantoms, &empty, out, command).map(Some)
             }

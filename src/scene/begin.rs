@@ -85,29 +85,3 @@ pub fn check_name(name: &str) -> Result<(), &'static str> {
         false => Ok(()),
     }
 }
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-    use crate::scene::{Scene, parse, preset};
-    use crate::view::Knob;
-    use std::path::Path;
-
-    #[test]
-    fn every_beginning_is_a_scene_that_has_what_is_asked() {
-        for beginning in BEGINNINGS {
-            let loaded = preset(beginning.preset).unwrap();
-            let file = Path::new("mine.toml");
-            let knobs = Knob::of(&loaded, file, &[]).unwrap();
-            for (key, _) in beginning.questions {
-                assert!(knobs.iter().any(|knob| knob.key == *key), "{beginning:?}: {key}");
-            }
-            let begun = parse(&beginning.text(&loaded, "mine", "schema.json"), file).unwrap().scene;
-            let named = (begun.name.as_str(), begun.description.contains(beginning.preset));
-            assert_eq!(named, ("mine", true));
-            let (name, description) = (loaded.scene.name.clone(), loaded.scene.description.clone());
-            assert_eq!(Scene { name, description, ..begun }, loaded.scene, "{beginning:?}");
-        }
-    }
-}

@@ -38,7 +38,7 @@ impl<'a> Reader<'a> {
 }
 
 impl Parts {
-    /// How each phantom is tried.
+    /// How each phantom is tried: `empty`, of phantoms without an inclusion; exposed twice where nothing is said.
     pub fn how(&self, empty: bool) -> How {
         let Self { exposures, exposure_ms, force_error, .. } = *self;
         How { empty, exposures: exposures.unwrap_or(2), exposure_ms, force_error }

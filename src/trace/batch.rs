@@ -40,7 +40,7 @@ pub struct Totals {
     pub paths: u64,
     /// Photons.
     pub photons: u64,
-    /// Segments of both.
+    /// Segments of both that were traced: those of photons that were kept are not among them.
     pub segments: u64,
     /// What became of the camera paths.
     pub fates: Fates,
@@ -182,6 +182,13 @@ impl<'a> Batch<'a> {
     #[must_use]
     pub fn keeping(self) -> Self {
         Self { kept: Some(HashMap::new()), ..self }
+    }
+
+    /// Keeps no more than what the first so many replicates left.
+    pub fn keep_first(&mut self, replicates: u32) {
+        if let Some(kept) = &mut self.kept {
+            kept.retain(|index, _| *index < replicates);
+        }
     }
 
     /// Computes replicate `index`: radiance in W/(m^2 sr), row-major.
@@ -364,6 +371,19 @@ fn stream(seed: u32, replicate: u32, which: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_sum_that_is_full_stays_full_with_what_follows() {
+        let sent = |each: u32, deposits: &[u64]| {
+            let (mut tally, deposits) = ([0; book::SLOTS], deposits.to_vec());
+            tally[book::EMITTED] = i64::from(each);
+            Sent { threads: 4, each, tally, deposits }
+        };
+        let all = sent(2, &[7, u64::MAX - 1, u64::MAX]).and(&sent(5, &[5, 9, 0]));
+        assert_eq!((all.each, all.tally[book::EMITTED]), (5, 7));
+        assert_eq!(all.deposits, [12, u64::MAX, u64::MAX]);
+        assert!(held("pixels", &all.deposits).is_err() && held("pixels", &all.deposits[..1]).is_ok());
+    }
 
     #[test]
     fn chunks_cover_each_pixel_and_sample_once_however_the_pace_changes() {

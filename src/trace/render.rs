@@ -38,13 +38,14 @@ const LEAST_PHOTONS_BESIDE_UNFOLDING: u64 = 1 << 20;
 /// Fewest photons of a replicate for an asked time.
 const FEW_PHOTONS: u64 = 1 << 12;
 /// Photons of a replicate that an error of [`FIRST_ERROR`] begins with, and the most times more for a smaller one: in an
-/// image of full size they take less than its camera paths and its map do, which each attempt pays for.
+/// image of full size these take about as long as its camera paths and its map, which each attempt pays for
+/// (docs/decisions/asked-errors.md).
 const FIRST_PHOTONS: u64 = 1 << 15;
 const FIRST_ERROR: f64 = 0.02;
 const MOST_FIRST: f64 = 4.0;
-/// Photons for an asked error over those that match the camera paths by themselves: those of `phantom-size-8mm` are
-/// 1.3 times as much of the error of an image, a photon for a camera path, and 0.2 times as long on their way.
-const PHOTONS_FIRST: u64 = 2;
+/// Photons for an asked error over those that match the camera paths, where nothing is unfolded: on `phantom-size-8mm` a
+/// photon a pixel is 22 times as much of the variance as a camera path a pixel, and takes twice as long.
+const PHOTONS_A_PATH: u64 = 3;
 /// Most camera paths per pixel for an asked error.
 const MOST_SPP: u32 = 1 << 24;
 /// What is taken above the work that an error found asks for, and the most at once: a first error may be a poor guess.
@@ -144,8 +145,8 @@ fn blotches(integrator: Integrator, film: &Film) -> Option<String> {
     let level = film.blocks.iter().find(|level| level.edge == edge && integrator != Integrator::Path)?;
     let error = relative_error(&level.mean, &level.variance).filter(|error| *error > BLOTCHES)?;
     Some(format!(
-        "blocks of {edge} x {edge} pixels are known to {:.2} % only: what looks like an inclusion may be noise; more --photons or \
-         --spp make it quieter",
+        "blocks of {edge} x {edge} pixels are known to {:.2} % only: what looks like an inclusion may be noise; more photons or \
+         samples make it quieter",
         100.0 * error
     ))
 }
@@ -180,9 +181,9 @@ pub fn render(
 /// It renders with the least work first, and from what that leaves anew with as much as it takes: the smoothing of a
 /// map is then chosen for the noise of the whole, and its bias shrinks with it, where added replicates would keep a
 /// kernel for more noise. What the photons of a map have left is kept: it is that of the first of more, bit by bit. The
-/// least work is a camera path per pixel and replicate, and few photons: these are more by themselves until they match
-/// the camera paths, since each of those reads the smoothed map, whose noise is most of the error; and with them from
-/// there.
+/// least work is a camera path per pixel and replicate, and few photons, since each path reads the smoothed map, whose
+/// noise is most of the error: photons alone grow until they are as many to a camera path as suits the scene, and both
+/// from there.
 fn until(
     backend: &mut Backend,
     model: &Model<f64>,
@@ -192,7 +193,8 @@ fn until(
 ) -> Result<Outcome, TraceError> {
     let kernel = Kernel::of(model);
     let integrator = Plan::choose(settings.integrator, &kernel)?.integrator;
-    let each = (PHOTONS_FIRST * photons(&kernel, integrator, pixels(model))).max(FEW_PHOTONS) as f64;
+    let a_path = if integrator == Integrator::Map && kernel.unfolded == 0 { PHOTONS_A_PATH } else { 1 };
+    let each = (a_path * photons(&kernel, integrator, pixels(model))).max(FEW_PHOTONS) as f64;
     // Camera paths per pixel that the photons match: at first fewer than there are.
     let mut work = f64::from(REPLICATES);
     if integrator != Integrator::Path {
@@ -203,8 +205,11 @@ fn until(
     let (mut seconds, mut setup_seconds, mut segments, mut times) = (0.0, 0.0, 0, Times::default());
     loop {
         let spp = (work.ceil() as u32).max(REPLICATES);
-        let photons = Some((each * work) as u64);
-        let outcome = render_batch(&mut batch, &Settings { spp, photons, ..settings.clone() }, observe)?;
+        // As many to each path that is traced: a replicate never has fewer than before, and needs those alone that it lacks.
+        let [paths, replicates] = shared(spp).map(f64::from);
+        let photons = Some((each * if work < f64::from(REPLICATES) { work } else { paths * replicates }) as u64);
+        let once = Settings { spp, photons, seconds: None, ..settings.clone() };
+        let outcome = render_batch(&mut batch, &once, observe)?;
         seconds += outcome.seconds;
         setup_seconds += outcome.setup_seconds;
         segments += outcome.segments;
@@ -248,8 +253,8 @@ fn render_batch(batch: &mut Batch, settings: &Settings, observe: &mut Observer) 
     let plan = Plan::choose(settings.integrator, &kernel)?;
     batch.totals = Totals::default();
     let pixels = pixels(model);
-    let spp = (settings.spp / REPLICATES).clamp(1, REPLICATE_PATHS);
-    let mut replicates = settings.spp.div_ceil(spp).max(REPLICATES);
+    let [spp, mut replicates] = shared(settings.spp);
+    batch.keep_first(replicates);
     let least = if kernel.unfolded > 0 { LEAST_PHOTONS_BESIDE_UNFOLDING } else { LEAST_PHOTONS };
     let all_photons = || photons(&kernel, plan.integrator, pixels * u64::from(settings.spp)).max(least);
     let mut work = Work { spp, photons: settings.photons.unwrap_or_else(all_photons).div_ceil(u64::from(replicates)) };
@@ -422,6 +427,12 @@ impl Gather {
         };
         batch.mapped(index, work, &texels, observe)
     }
+}
+
+/// Camera paths per pixel in a replicate, and replicates, of so many asked for.
+fn shared(spp: u32) -> [u32; 2] {
+    let each = (spp / REPLICATES).clamp(1, REPLICATE_PATHS);
+    [each, spp.div_ceil(each).max(REPLICATES)]
 }
 
 /// Photons to match so many camera paths.

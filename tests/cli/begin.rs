@@ -2,6 +2,9 @@
 
 use super::*;
 use std::process::Stdio;
+use tirtouch::scene::begin::BEGINNINGS;
+use tirtouch::scene::{Scene, parse, preset};
+use tirtouch::view::Knob;
 
 #[test]
 fn a_new_scene_is_one_that_can_be_inspected() {
@@ -73,4 +76,21 @@ fn shells_and_manuals_know_every_command() {
     }
     let all = std::fs::read_dir(&pages).unwrap().map(|page| page.unwrap().file_name().into_string().unwrap());
     assert!(all.into_iter().all(|name| name.starts_with("tirtouch") && name.ends_with(".1")));
+}
+
+#[test]
+fn every_beginning_is_a_scene_that_has_what_is_asked() {
+    for beginning in BEGINNINGS {
+        let loaded = preset(beginning.preset).unwrap();
+        let file = Path::new("mine.toml");
+        let knobs = Knob::of(&loaded, file, &[]).unwrap();
+        for (key, _) in beginning.questions {
+            assert!(knobs.iter().any(|knob| knob.key == *key), "{beginning:?}: {key}");
+        }
+        let begun = parse(&beginning.text(&loaded, "mine", "schema.json"), file).unwrap().scene;
+        let named = (begun.name.as_str(), begun.description.contains(beginning.preset));
+        assert_eq!(named, ("mine", true));
+        let (name, description) = (loaded.scene.name.clone(), loaded.scene.description.clone());
+        assert_eq!(Scene { name, description, ..begun }, loaded.scene, "{beginning:?}");
+    }
 }

@@ -8,7 +8,7 @@ use tirtouch::trace::backend::{BackendChoice, Precision};
 use tirtouch::trace::batch::{Batch, Totals, Work};
 use tirtouch::trace::gpu::{Gpu, GpuTracer};
 use tirtouch::trace::plan::Integrator;
-use tirtouch::trace::{Backend, Devices, Model, TraceError};
+use tirtouch::trace::{Backend, Devices, Model, Settings, TraceError, render};
 
 /// Resident memory of this process, bytes; none where the system does not say.
 fn resident() -> Option<u64> {
@@ -92,6 +92,34 @@ fn photons_that_follow_kept_ones_make_the_image_of_all_of_them() {
         // Fewer are not a part of what is kept.
         assert_eq!(traced(&mut batch, few).0, first, "{preset}");
     }
+}
+
+#[test]
+fn an_image_to_an_asked_error_is_that_of_its_samples_at_once() {
+    if require_gpu().is_none() {
+        return;
+    }
+    let case = Case::preset("press-hertz");
+    let model = case.model([128, 96]);
+    let devices = Devices::open(BackendChoice::Gpu, Precision::F32).unwrap();
+    let own = Settings { seed: 3, spp: 16, photons: Some(1 << 19), ..Settings::of(&case.loaded.scene.render) };
+    let least = render(&devices, &model, &own, &mut |_| true).unwrap();
+    let target = 0.6 * least.relative_error.unwrap();
+    let asked = Settings { target_error: Some(target), ..own.clone() };
+    let found = render(&devices, &model, &asked, &mut |_| true).unwrap();
+    assert!(found.relative_error.unwrap() <= target && found.photons > 2 * least.photons);
+    // Of 47 samples there are 24 replicates of two, 48 in all.
+    let spp = u32::try_from(found.spp).unwrap();
+    let at_once = [spp, spp - 1].map(|spp| {
+        let samples = Settings { spp, photons: Some(found.photons), ..own.clone() };
+        render(&devices, &model, &samples, &mut |_| true).unwrap()
+    });
+    let same = at_once.iter().find(|outcome| outcome.film.replicates == found.film.replicates).unwrap();
+    assert_eq!(same.film.mean, found.film.mean);
+    assert_eq!((same.film.variance.clone(), same.ledger), (found.film.variance.clone(), found.ledger));
+    // Attempts share photons: all of the last one's segments and the camera paths of those before.
+    let traced = found.segments - same.segments;
+    assert!(traced < least.segments, "{} for {} and {}", found.segments, same.segments, least.segments);
 }
 
 #[test]
