@@ -12,8 +12,8 @@ use serde_json::json;
 use std::path::PathBuf;
 
 /// Learn what a sensor's frames say of an inclusion, from phantoms that sweeps press and trace; or, of a scene,
-/// calibrate its sensor: mm per pixel from a target, force from the sum of grey values. `estimate --calibration` and `run
-/// --calibration` read frames by either.
+/// calibrate its sensor: mm per pixel from a target, force from the sum of grey values. `estimate --calibration` and
+/// `run --calibration` read frames by either.
 #[derive(Debug, Args)]
 pub(super) struct Calibrate {
     /// Calibration file: the sweeps to learn from; with --bound what was learnt (JSON). Or a scene that presses, or
@@ -27,13 +27,13 @@ pub(super) struct Calibrate {
     #[arg(long, value_name = "N,N..", value_delimiter = ',', requires = "bound")]
     frames: Vec<u32>,
     /// Exposure of the frames, ms [default: for each inclusion the longest that saturates nothing].
-    #[arg(long, value_name = "MS", requires = "bound", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MS", requires = "bound", value_parser = positive)]
     exposure_ms: Option<f64>,
     /// Bits of a grey level [default: the scene's].
-    #[arg(long, value_name = "BITS", requires = "bound", value_parser = clap::value_parser!(u32).range(8..=16), allow_negative_numbers = true)]
+    #[arg(long, value_name = "BITS", requires = "bound", value_parser = clap::value_parser!(u32).range(8..=16))]
     bits: Option<u32>,
     /// The force of each load is measured too, with this relative standard deviation [default: it is not].
-    #[arg(long, value_name = "SHARE", requires = "bound", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", requires = "bound", value_parser = positive)]
     force_error: Option<f64>,
     #[command(flatten)]
     how: How,

@@ -22,10 +22,10 @@ pub(super) struct Compare {
     /// The second image.
     b: PathBuf,
     /// Chance of calling equal images different, all tests together.
-    #[arg(long, value_name = "P", default_value = "0.001", value_parser = probability, allow_negative_numbers = true)]
+    #[arg(long, value_name = "P", default_value = "0.001", value_parser = probability)]
     level: f64,
     /// Independent replicates behind the variances of an image that does not say.
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..))]
     replicates: u32,
     #[command(flatten)]
     strict: Strict,
@@ -53,7 +53,8 @@ impl Compare {
                 let comparison = pair.compare(self.level).map_err(refused)?;
                 if comparison.paired.is_none() && pair.may_share_random_numbers() && !self.talk.quiet {
                     note(
-                        "both images have the same random numbers (scene, seed and integrator): equal noise hides differences",
+                        "both images have the same random numbers (scene, seed and integrator): equal noise hides \
+                         differences",
                     );
                 }
                 (comparison.passed, json!(comparison), comparison::table(&comparison))
@@ -78,10 +79,10 @@ struct Strict {
     #[arg(long, conflicts_with_all = ["tolerance", "absolute"])]
     exact: bool,
     /// Largest deviation of a pixel's mean, as a share of the larger of both; no statistics.
-    #[arg(long, value_name = "E", value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", value_parser = not_negative)]
     tolerance: Option<f64>,
     /// Largest deviation of a pixel's mean, W/(m^2 sr); with --tolerance one of both is enough.
-    #[arg(long, value_name = "E", value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", value_parser = not_negative)]
     absolute: Option<f64>,
 }
 

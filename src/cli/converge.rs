@@ -25,10 +25,10 @@ pub(super) struct Converge {
     #[arg(long)]
     quick: bool,
     /// Highest samples a pixel; the reference has four times as many [default: 4 times the scene's, quick: 64].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=16_384), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=16_384))]
     spp: Option<u32>,
     /// Divide the camera's pixels along each side by this [default: 1, quick: 8].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     shrink: Option<u32>,
     /// Only the ladders of the light, for which a press is run once, or of the mechanics.
     #[arg(long, value_parser = one_of::<Part, 2>(["light", "mechanics"]))]
@@ -39,7 +39,7 @@ pub(super) struct Converge {
     #[arg(long, conflicts_with = "force")]
     resume: bool,
     /// Seed of all random numbers: the reference and each run of the rungs draw their own [default: the scene's].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     seed: Option<u32>,
     #[command(flatten)]
     backend: Backend,

@@ -25,17 +25,17 @@ pub(super) struct Estimate {
     #[arg(long, value_name = "SCENE")]
     exposure: Option<PathBuf>,
     /// Bits of the camera whose levels lie in PNG or TIFF of 16 bits: tells what is saturated.
-    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(8..=16), allow_negative_numbers = true)]
+    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(8..=16))]
     full_scale_bits: Option<u32>,
     /// Depth of the press of each image, mm: with a calibration that `calibrate` learnt, all images together give size,
     /// depth and modulus of the inclusion.
-    #[arg(long, value_name = "MM,..", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM,..", value_delimiter = ',')]
     depths_mm: Vec<f64>,
     /// Force of the press of each image, N, where it was measured: tells more of what is unknown.
-    #[arg(long, value_name = "N,..", value_delimiter = ',', requires = "depths_mm", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N,..", value_delimiter = ',', requires = "depths_mm", value_parser = positive)]
     forces_n: Vec<f64>,
     /// Relative standard deviation of the forces [default: 0.01].
-    #[arg(long, value_name = "SHARE", requires = "forces_n", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", requires = "forces_n", value_parser = positive)]
     force_error: Option<f64>,
     #[command(flatten)]
     talk: Talk,

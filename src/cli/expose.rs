@@ -19,13 +19,13 @@ pub(super) struct Expose {
     #[arg(long, value_name = "SCENE")]
     scene: Option<PathBuf>,
     /// Exposure time, ms [default: the scene's].
-    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", value_parser = positive)]
     exposure_ms: Option<f64>,
     /// Bits of a grey value, 8 to 16 [default: the scene's].
-    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    #[arg(long, value_name = "B")]
     bit_depth: Option<u32>,
     /// Seed of the camera's noise [default: that of the frame made when it was rendered].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     seed: Option<u32>,
     #[command(flatten)]
     place: Place,

@@ -104,7 +104,7 @@ pub struct Common {
     #[allow(missing_docs)] // a doc comment here would replace the command's help
     pub place: Place,
     /// Seed of all random numbers [default: the scene's].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
     /// Draw the same random numbers for every image of this seed: loads, baseline, other scenes.
     #[arg(long)]
@@ -119,16 +119,16 @@ pub struct Common {
     #[arg(long, value_name = "auto|path|splat|map")]
     pub integrator: Option<IntegratorChoice>,
     /// Camera paths per pixel [default: the scene's].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
     /// Photons sent from the LEDs [default: the scene's].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub photons: Option<u64>,
     /// Compute for so many seconds, counted from after compilation.
-    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, conflicts_with_all = ["spp", "photons", "target_error"])]
+    #[arg(long, value_name = "S", value_parser = positive, conflicts_with_all = ["spp", "photons", "target_error"])]
     pub seconds: Option<f64>,
     /// Compute until the relative error is at most this.
-    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true, conflicts_with_all = ["spp", "photons"])]
+    #[arg(long, value_name = "E", value_parser = positive, conflicts_with_all = ["spp", "photons"])]
     pub target_error: Option<f64>,
     /// Press the phantom without its inclusions, on the same mesh: makes a reference frame.
     #[arg(long)]

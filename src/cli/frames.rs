@@ -28,7 +28,7 @@ pub(super) struct FramesCommand {
     #[arg(long, conflicts_with = "measured")]
     invert: bool,
     /// Noise that is added to computed frames before they are inverted, as a share of each pressure.
-    #[arg(long, value_name = "S", default_value = "0.01", value_parser = not_negative, requires = "invert", conflicts_with = "measured")]
+    #[arg(long, value_name = "S", default_value = "0.01", value_parser = not_negative, requires = "invert")]
     noise_share: f64,
     /// The depth of the press is not known: hold each frame's own force instead.
     #[arg(long)]
@@ -40,13 +40,13 @@ pub(super) struct FramesCommand {
     #[arg(long, value_name = "N", default_value = "0")]
     seed: u32,
     /// Half width of the window of the parabola about the indenter's centre, mm [default: the scene's, or the contact].
-    #[arg(long, value_name = "W", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "W", value_parser = positive)]
     window_mm: Option<f64>,
     /// Pressure up to which a place counts as not in contact, kPa: the noise of measured frames.
-    #[arg(long, value_name = "P", default_value = "0", value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, value_name = "P", default_value = "0", value_parser = not_negative)]
     noise_kpa: f64,
     /// Position of the frame that is shown by itself, mm; the nearest is taken.
-    #[arg(long, value_name = "X", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value = "0", value_parser = finite)]
     show_mm: f64,
     #[command(flatten)]
     place: Place,

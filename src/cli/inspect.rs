@@ -5,7 +5,7 @@ use super::job::{check_light, watched};
 use super::{Failure, Outcome, Talk};
 use crate::pages::inspection::Inspection;
 use crate::trace::{BackendChoice, Devices, Precision};
-use clap::Args;
+use clap::{Args, value_parser};
 use std::sync::Arc;
 
 /// Show what was understood of a scene: angles, regimes, kernel pieces, adapter.
@@ -18,7 +18,8 @@ pub(super) struct Inspect {
     #[arg(long)]
     gains: bool,
     /// Rounds of that.
-    #[arg(long, value_name = "N", default_value_t = 5, requires = "gains", value_parser = clap::value_parser!(u32).range(2..=100), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 5, requires = "gains")]
+    #[arg(value_parser = value_parser!(u32).range(2..=100))]
     rounds: u32,
     #[command(flatten)]
     talk: Talk,

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct Reading {
     /// Threshold k: brighter pixels are lit, in grey levels, or as a share of full scale (`2%`).
-    #[arg(long, value_name = "K", default_value_t, allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", default_value_t)]
     pub threshold: Threshold,
     /// Image to subtract first: a frame without inclusion, or without press.
     #[arg(long, value_name = "IMAGE")]

@@ -120,8 +120,8 @@ fn run() -> u8 {
     let arguments = command::arguments();
     let json = usage::asks_for_json(arguments.iter().cloned());
     let outcome = usage::parse(arguments.into_iter()).and_then(|parsed| match parsed {
-        usage::Parsed::Text(text) => print(&text).map(|()| Outcome::Done),
-        usage::Parsed::CommandLine(line) => {
+        None => Ok(Outcome::Done),
+        Some(line) => {
             cancel::install(json)?;
             environment::check()?;
             line.command.run()

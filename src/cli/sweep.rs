@@ -80,13 +80,13 @@ pub(super) struct How {
     #[arg(long, value_enum, default_value_t)]
     engine: Engine,
     /// Tasks of the job array.
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=10_000), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     tasks: u32,
     /// Send the job array, too.
     #[arg(long)]
     submit: bool,
     /// Threads that press beside the one that traces [default: half of the cores].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
     workers: Option<u32>,
     #[command(flatten)]
     backend: Backend,

@@ -1,35 +1,34 @@
 //! From arguments to a command, or to one line that says what is wrong with them.
 
-use super::{CommandLine, Failure};
-use clap::Parser;
+use super::{CommandLine, Failure, print};
 use clap::error::ErrorKind;
+use clap::{Command, CommandFactory, FromArgMatches};
 use std::ffi::OsString;
-
-/// What the arguments ask for.
-pub(super) enum Parsed {
-    /// Help or the version, to be printed.
-    Text(String),
-    /// A command.
-    CommandLine(Box<CommandLine>),
-}
 
 /// Whether errors go out as JSON, known before the arguments are.
 pub(super) fn asks_for_json(arguments: impl Iterator<Item = OsString>) -> bool {
     arguments.skip(1).take_while(|argument| argument != "--").any(|argument| argument == "--json")
 }
 
-pub(super) fn parse(arguments: impl Iterator<Item = OsString>) -> Result<Parsed, Failure> {
-    let error = match CommandLine::try_parse_from(arguments) {
-        Ok(line) => return Ok(Parsed::CommandLine(Box::new(line))),
+/// The command that arguments ask for; none where they ask for help or the version, which is printed.
+pub(super) fn parse(arguments: impl Iterator<Item = OsString>) -> Result<Option<CommandLine>, Failure> {
+    let matches = signed(CommandLine::command()).try_get_matches_from(arguments);
+    let error = match matches.and_then(|matches| CommandLine::from_arg_matches(&matches)) {
+        Ok(line) => return Ok(Some(line)),
         Err(error) => error,
     };
     match error.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Ok(Parsed::Text(error.render().to_string())),
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&error.render().to_string()).map(|()| None),
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             Err(Failure::usage("a command is missing; `tirtouch --help` lists them"))
         }
         _ => Err(Failure::usage(one_line(&error.render().to_string()))),
     }
+}
+
+/// With numbers below 0 as values, never as flags: what is wrong with one is then said of its flag.
+fn signed(command: Command) -> Command {
+    command.allow_negative_numbers(true).mut_subcommands(signed)
 }
 
 /// What clap says before it comes to the usage, as one line.

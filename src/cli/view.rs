@@ -31,7 +31,7 @@ pub(super) struct View {
     #[arg(long, value_name = "HOST:PORT")]
     tev: Option<String>,
     /// Seed of all random numbers [default: the scene's].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     seed: Option<u32>,
     #[command(flatten)]
     backend: Backend,

@@ -6,6 +6,7 @@ use tirtouch::cli::Common;
 use tirtouch::scene::IntegratorChoice;
 
 #[derive(Debug, Parser)]
+#[command(allow_negative_numbers = true)]
 struct Line {
     #[command(flatten)]
     common: Common,
