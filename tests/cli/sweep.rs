@@ -268,6 +268,7 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
              random_numbers = \"own\"\n\
              images = {{ loads = \"all\", baseline = true, masks = true, pressures = true, test_share = 0.4 }}\n\
              [[vary]]\nname = \"size\"\nkey = \"{sphere}\"\nuniform = [5, 12]\n\
+             [[vary]]\nname = \"error\"\nkey = \"press.estimate_error\"\nfixed = false\n\
              [[measure]]\nkind = \"force\"\n[[measure]]\nkind = \"paper\"\nless_baseline = true\n"
         ),
     );
@@ -317,6 +318,7 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
     assert!((1.8..2.3).contains(&(mean(1) / mean(0))), "{means:?}");
     let card = std::fs::read_to_string(folder.join("README.md")).unwrap();
     assert!(card.contains("8 images of 4 points") && card.contains("| `size` |"), "{card}");
+    assert!(card.contains("| `error` | false |"), "{card}");
 
     // A point whose record is lost is made again, with the same images.
     let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();

@@ -6,6 +6,7 @@ use crate::pages::facts::figure;
 use crate::pages::tables::table;
 use crate::pipeline::Truth;
 use crate::sweep::{Format, Images, Loads, Record, Sweep};
+use std::collections::BTreeMap;
 
 /// `metadata.csv` of a split: a row an image, with its file, those of its baseline, mask and contact
 /// pressures, what varied and what is true.
@@ -60,20 +61,28 @@ fn truth(sweep: &Sweep, row: usize) -> Option<Truth> {
     Truth::of(loaded.scene.phantom.as_ref(), &loaded.files, false).ok()
 }
 
+/// What values lie between, or all that there are.
+fn range(values: &BTreeMap<String, Option<f64>>) -> String {
+    let numbers = || values.values().flatten().copied();
+    let [low, high] = [numbers().fold(f64::INFINITY, f64::min), numbers().fold(f64::NEG_INFINITY, f64::max)];
+    match values.values().all(Option::is_some) {
+        true if low < high => format!("{} to {}", figure(low), figure(high)),
+        true if low == high => figure(low),
+        _ => values.keys().cloned().collect::<Vec<_>>().join(", "),
+    }
+}
+
 /// The data card: what the images are of, with ranges and units.
 pub fn card(sweep: &Sweep, images: &Images, records: &Records) -> String {
     let names: Vec<&str> = sweep.plan.names().collect();
-    let mut ranges = vec![None::<[f64; 2]>; names.len()];
+    let mut values = vec![BTreeMap::new(); names.len()];
     let (mut count, mut points, mut tests) = (0, 0, 0);
     for (row, record) in sweep.kept(records) {
         points += 1;
         tests += usize::from(images.is_test(row));
         count += record.images.len();
-        for (range, value) in ranges.iter_mut().zip(&record.values) {
-            if let Some(value) = value.number() {
-                let [low, high] = range.unwrap_or([value; 2]);
-                *range = Some([low.min(value), high.max(value)]);
-            }
+        for (seen, value) in values.iter_mut().zip(&record.values) {
+            seen.insert(value.to_string(), value.number());
         }
     }
     let scene = &sweep.base.scene;
@@ -87,11 +96,8 @@ pub fn card(sweep: &Sweep, images: &Images, records: &Records) -> String {
         Loads::Last => "the last load of each press",
         Loads::All => "every load of each press",
     };
-    let range = |(name, range): (&&str, &Option<[f64; 2]>)| match range {
-        Some([low, high]) => format!("| `{name}` | {} to {} |\n", figure(*low), figure(*high)),
-        None => format!("| `{name}` | names |\n"),
-    };
-    let ranges: String = names.iter().zip(&ranges).map(range).collect();
+    let rows = names.iter().zip(&values).map(|(name, seen)| format!("| `{name}` | {} |\n", range(seen)));
+    let ranges: String = rows.collect();
     format!(
         "# {}\n\n{}\n\nSynthetic images of the multilayer total-internal-reflection tactile sensor, made by tirtouch {}.\n\n\
          - {count} images of {points} points, {tests} of these for testing (`test/`), the others in `train/`.\n\
