@@ -35,12 +35,16 @@ struct Arguments {
     seed: u32,
 }
 
-/// An estimate beside what it estimates: shares of the force and of the pressure.
+/// Estimates beside what they estimate: shares of the force, of the pressure and, but against the closed form, of its
+/// peak.
 struct Row {
     group: &'static str,
-    truth: [f64; 2],
-    estimate: [f64; 2],
+    truth: Vec<f64>,
+    estimate: Vec<f64>,
 }
+
+/// What is estimated.
+const FIGURES: [&str; 3] = ["force", "pressure", "peak"];
 
 /// Most unknowns of a reference, where that leaves more than twice the divisions.
 const MOST_UNKNOWNS: f64 = 62_000.0;
@@ -84,13 +88,16 @@ fn judge(case: &Case) -> Result<Vec<Row>> {
         (false, None) => "sliding",
         (false, Some(_)) => "punch",
     };
+    let off = |true_one: f64, own: f64| (true_one / own - 1.0).abs();
     let against =
-        |force_n: f64, points| [(force_n / step.force_n - 1.0).abs(), difference(&pressed.setup, &step.points, points)];
-    let mut rows = vec![Row { group, truth: against(force_n, &truth.points), estimate: [error.force, error.rms] }];
+        |force_n: f64, points| vec![off(force_n, step.force_n), difference(&pressed.setup, &step.points, points)];
+    let mut truths = against(force_n, &truth.points);
+    truths.push(off(truth.peak_pressure_kpa, step.peak_pressure_kpa));
+    let mut rows = vec![Row { group, truth: truths, estimate: vec![error.force, error.rms, error.peak] }];
     if let Some([a_over_h, poisson]) = case.punch {
         let sharp = layers::Punched::on(&layers::one(a_over_h, poisson));
         let rounding = error.rounding.context("no estimate of the rounding")?;
-        let estimate = [error.force + rounding.force, error.rms + rounding.rms];
+        let estimate = vec![error.force + rounding.force, error.rms + rounding.rms];
         rows.push(Row { group: "punch, closed form", truth: against(sharp.force_n(), &sharp.face()), estimate });
     }
     Ok(rows)
@@ -106,29 +113,35 @@ fn last(pressed: &Pressed) -> Result<&PressStep> {
 
 impl Row {
     fn words(&self) -> String {
-        let part = |k: usize| {
-            let holds = if self.truth[k] <= self.estimate[k] { "holds" } else { "FAILS" };
-            format!("{:.4} %, estimated {:.4} %, {holds}", 100.0 * self.truth[k], 100.0 * self.estimate[k])
+        let part = |(k, name): (usize, &&str)| {
+            let (truth, estimate) = (self.truth.get(k)?, self.estimate.get(k)?);
+            let holds = if truth <= estimate { "holds" } else { "FAILS" };
+            Some(format!("{name} {:.4} %, estimated {:.4} %, {holds}", 100.0 * truth, 100.0 * estimate))
         };
-        format!("force {}; pressure {}", part(0), part(1))
+        FIGURES.iter().enumerate().filter_map(part).collect::<Vec<_>>().join("; ")
     }
 }
 
 fn summary(rows: &[Row]) {
-    println!("\n| cases | factor | force holds | median | pressure holds | median |\n|---|---|---|---|---|---|");
+    let heads: Vec<String> = FIGURES.iter().map(|name| format!("{name} holds | median")).collect();
+    println!("\n| cases | factor | {} |\n|---|---|{}", heads.join(" | "), "---|---|".repeat(FIGURES.len()));
     for group in ["tied", "sliding", "punch", "punch, closed form", "all"] {
         let of_group: Vec<&Row> = rows.iter().filter(|row| group == "all" || row.group == group).collect();
         let factors = if group == "all" { &FACTORS[..] } else { &[SAFETY] };
         for factor in factors.iter().filter(|_| !of_group.is_empty()) {
             let part = |k: usize| {
-                let ratio = |row: &&Row| factor / SAFETY * row.estimate[k] / row.truth[k];
-                let mut ratios: Vec<f64> = of_group.iter().map(ratio).collect();
+                let ratio = |row: &&Row| Some(factor / SAFETY * row.estimate.get(k)? / row.truth.get(k)?);
+                let mut ratios: Vec<f64> = of_group.iter().filter_map(ratio).collect();
+                if ratios.is_empty() {
+                    return "- | -".to_owned();
+                }
                 ratios.sort_by(f64::total_cmp);
                 let hold = ratios.iter().filter(|&&ratio| ratio >= 1.0).count();
                 let share = 100.0 * hold as f64 / ratios.len() as f64;
                 format!("{hold} of {} ({share:.0} %) | {:.2}", ratios.len(), ratios[ratios.len() / 2])
             };
-            println!("| {group} | {factor} | {} | {} |", part(0), part(1));
+            let parts: Vec<String> = (0..FIGURES.len()).map(part).collect();
+            println!("| {group} | {factor} | {} |", parts.join(" | "));
         }
     }
 }

@@ -133,6 +133,12 @@ impl Load {
         (&self.step.pressure_error).into()
     }
 
+    /// Error of the peak pressure by the mesh, as a share of it.
+    #[getter]
+    fn peak_error(&self) -> Value {
+        (&self.step.peak_error).into()
+    }
+
     /// The nodes of the touched face as arrays of float64, all of one length, by the names of contact.csv: ``r_mm``
     /// (undeformed place; ``x_mm`` and ``y_mm`` in three dimensions), ``pressure_kpa``, ``shear_kpa``, ``gap_mm``,
     /// ``displacement_r_mm`` (``_x_mm``, ``_y_mm``), ``displacement_z_mm``.

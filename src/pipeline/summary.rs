@@ -188,6 +188,8 @@ pub struct StepSummary {
     pub peak_pressure_kpa: f64,
     /// Of the pressure, root mean square.
     pub pressure_error: Figure,
+    /// Of the peak pressure.
+    pub peak_error: Figure,
     /// Of the force.
     pub force_error: Figure,
     /// What a sharp edge would change of the pressure.
@@ -400,6 +402,7 @@ impl StepSummary {
             force_n: step.force_n,
             peak_pressure_kpa: step.peak_pressure_kpa,
             pressure_error: Figure::of(step.error.map(|error| error.rms), without),
+            peak_error: Figure::of(step.error.map(|error| error.peak), without),
             force_error: Figure::of(step.error.map(|error| error.force), without),
             pressure_rounding: Figure::of(rounding.map(|rounding| rounding.rms), without_rounding),
             force_rounding: Figure::of(rounding.map(|rounding| rounding.force), without_rounding),

@@ -176,7 +176,7 @@ impl Measure {
         let summary = StepSummary::of(step, pressed.error_seconds > 0.0);
         let (value, error) = match self {
             Self::Force {} => (summary.force_n, &summary.force_error),
-            _ => (summary.peak_pressure_kpa, &summary.pressure_error),
+            _ => (summary.peak_pressure_kpa, &summary.peak_error),
         };
         match error {
             Figure::Known(error) => {

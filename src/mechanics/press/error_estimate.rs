@@ -1,6 +1,7 @@
 //! Error of a press, from a second one on a coarser mesh, and from a third by a rounder edge.
 
-use super::pressed::{JUDGED_SHARE, Pressed, PressureError, Rounding, is_judged};
+use super::face::{self, is_judged, pressure_at};
+use super::pressed::{Pressed, PressureError, Rounding};
 use super::ready::Ready;
 use super::{ContactPoint, Load, PressError, SensorBody, Setup};
 use crate::mechanics::contact::Profile;
@@ -70,6 +71,7 @@ pub(super) fn estimate(
         });
         fine.error = Some(PressureError {
             rms: pressure_error(setup, &fine.points, &coarse.points, [shares.local, shares.edge]),
+            peak: peak_error(setup, &fine.points, &coarse.points, [shares.local, shares.edge]),
             force: (shares.edge * share_of(fine.force_n - coarse.force_n, fine.force_n))
                 .max(end_of_contact(setup, &fine.points)),
             rounding,
@@ -128,20 +130,42 @@ pub(super) fn pressure_error(
     let misfits = misfits(setup, fine, coarse);
     let sum = |term: &dyn Fn(&Misfit) -> f64| misfits.iter().map(|m| m.area * term(m)).sum::<f64>();
     let size = sum(&|m| m.pressure.powi(2));
-    let (mixed, far) = (sum(&|m| m.pressure.powi(2) * m.place), sum(&|m| (m.pressure * m.place).powi(2)));
-    let (even, odd) = (sum(&|m| m.pressure * m.difference), sum(&|m| m.pressure * m.place * m.difference));
-    let determinant = size * far - mixed * mixed;
-    let whole = sum(&|m| m.difference.powi(2)) / size;
     if size == 0.0 {
         return 0.0;
     }
-    if determinant <= f64::EPSILON * size * far {
-        return edge * whole.sqrt();
-    }
-    let (a, b) = ((even * far - odd * mixed) / determinant, (odd * size - even * mixed) / determinant);
-    let smooth = (a * even + b * odd) / size;
+    let whole = sum(&|m| m.difference.powi(2)) / size;
+    let Some(from_edge) = sent_by_edge(&misfits) else { return edge * whole.sqrt() };
+    let smooth = sum(&|m| m.pressure * from_edge(m.place) * m.difference) / size;
     let rest = whole - smooth;
     (edge.powi(2) * smooth.max(0.0) + local.powi(2) * rest.max(0.0)).sqrt()
+}
+
+/// Estimated error of the peak of the finer of two pressures, as a share of it: that of the pressure where either has
+/// its peak, split as that of the whole.
+pub(super) fn peak_error(setup: &Setup, fine: &[ContactPoint], coarse: &[ContactPoint], shares: [f64; 2]) -> f64 {
+    let [local, edge] = shares;
+    let (Some((here, peak)), Some((there, _))) = (face::peak(setup, fine), face::peak(setup, coarse)) else {
+        return 0.0;
+    };
+    let from_edge = sent_by_edge(&misfits(setup, fine, coarse));
+    let error = |at: [f64; 3]| {
+        let pressure = pressure_at(setup, fine, at)?;
+        let difference = pressure - pressure_at(setup, coarse, at)?;
+        let smooth = from_edge.as_ref().map_or(difference, |share| pressure * share(place(setup, at)));
+        Some((edge * smooth).hypot(local * (difference - smooth)) / peak)
+    };
+    if peak > 0.0 { [here, there].into_iter().filter_map(error).fold(0.0, f64::max) } else { 0.0 }
+}
+
+/// What the edge sends inwards, as a share of the pressure at a place: a + b r^2. Nothing where too few points tell.
+fn sent_by_edge(misfits: &[Misfit]) -> Option<impl Fn(f64) -> f64 + use<>> {
+    let sum = |term: &dyn Fn(&Misfit) -> f64| misfits.iter().map(|m| m.area * term(m)).sum::<f64>();
+    let size = sum(&|m| m.pressure.powi(2));
+    let (mixed, far) = (sum(&|m| m.pressure.powi(2) * m.place), sum(&|m| (m.pressure * m.place).powi(2)));
+    let (even, odd) = (sum(&|m| m.pressure * m.difference), sum(&|m| m.pressure * m.place * m.difference));
+    let determinant = size * far - mixed * mixed;
+    let (a, b) = ((even * far - odd * mixed) / determinant, (odd * size - even * mixed) / determinant);
+    (determinant > f64::EPSILON * size * far).then_some(move |place: f64| a + b * place)
 }
 
 /// Root mean square difference of two pressures over the judged part, as a share of that of the first.
@@ -167,42 +191,18 @@ struct Misfit {
 fn misfits(setup: &Setup, fine: &[ContactPoint], coarse: &[ContactPoint]) -> Vec<Misfit> {
     let judged = fine.iter().filter(|point| is_judged(setup, point));
     let misfit = |point: &ContactPoint| {
-        let [x, y, _] = point.reference_mm.map(|x| x / setup.reach_mm());
         Some(Misfit {
             area: point.area_mm2,
             pressure: point.pressure_kpa,
-            difference: point.pressure_kpa - pressure_at(setup, coarse, point)?,
-            place: if setup.kinematics.dim() == 3 { x * x + y * y } else { x * x },
+            difference: point.pressure_kpa - pressure_at(setup, coarse, point.reference_mm)?,
+            place: place(setup, point.reference_mm),
         })
     };
     judged.filter_map(misfit).collect()
 }
 
-/// Pressure of another mesh at a point: linear between its nodes in two dimensions; in three, weighted by the nearest
-/// ones.
-fn pressure_at(setup: &Setup, points: &[ContactPoint], at: &ContactPoint) -> Option<f64> {
-    if setup.kinematics.dim() == 2 {
-        let after = points.partition_point(|point| point.reference_mm[0] < at.reference_mm[0]);
-        let b = points.get(after)?;
-        let Some(a) = after.checked_sub(1).and_then(|k| points.get(k)) else { return Some(b.pressure_kpa) };
-        let share = (at.reference_mm[0] - a.reference_mm[0]) / (b.reference_mm[0] - a.reference_mm[0]);
-        return Some(a.pressure_kpa + share * (b.pressure_kpa - a.pressure_kpa));
-    }
-    let mut near: Vec<(f64, f64)> = points
-        .iter()
-        .map(|point| {
-            let d = [0, 1].map(|i| point.reference_mm[i] - at.reference_mm[i]);
-            (d[0].hypot(d[1]), point.pressure_kpa)
-        })
-        .collect();
-    near.sort_by(|a, b| a.0.total_cmp(&b.0));
-    near.truncate(NEAREST);
-    if near.first()?.0 < 1e-9 * JUDGED_SHARE {
-        return near.first().map(|(_, pressure)| *pressure);
-    }
-    let weight: f64 = near.iter().map(|(d, _)| d.powi(-2)).sum();
-    Some(near.iter().map(|(d, pressure)| pressure * d.powi(-2)).sum::<f64>() / weight)
+/// Squared distance of a place of the face from the axis, in reaches of the footprint.
+fn place(setup: &Setup, at: [f64; 3]) -> f64 {
+    let [x, y, _] = at.map(|x| x / setup.reach_mm());
+    if setup.kinematics.dim() == 3 { x * x + y * y } else { x * x }
 }
-
-/// Nodes of the coarser face that a pressure in three dimensions is drawn from.
-const NEAREST: usize = 4;

@@ -17,6 +17,7 @@ pub mod contact_curve;
 mod cost;
 mod error;
 pub mod error_estimate;
+mod face;
 mod findings;
 mod load;
 mod pressed;
@@ -30,8 +31,9 @@ pub use assembly::Assembly;
 pub use contact_curve::{ContactPoint, contact_points};
 pub use cost::Cost;
 pub use error::PressError;
+pub use face::is_judged;
 pub use findings::Findings;
-pub use pressed::{PressStep, Pressed, PressureError, Rounding, is_judged};
+pub use pressed::{PressStep, Pressed, PressureError, Rounding};
 pub use run::{PressSettings, press, press_near};
 pub use setup::{Load, Pose, SensorBody, Setup};
 

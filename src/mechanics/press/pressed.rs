@@ -1,6 +1,6 @@
 //! What a press finds.
 
-use super::{Assembly, ContactPoint, SensorBody, Setup};
+use super::{Assembly, ContactPoint, Setup};
 use crate::mechanics::newton::LinearSolver;
 use crate::mechanics::problem::State;
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ pub struct PressStep {
     /// Total force along z, N.
     pub force_n: f64,
     /// Largest pressure over 0.8 of the footprint's radius, kPa: the edge of a tied contact is singular. Under an
-    /// indenter over all of the face.
+    /// indenter over all of the face. In two dimensions it may lie at the very end of that part, between two nodes.
     pub peak_pressure_kpa: f64,
     /// Nodes of the touched face, by x, then y.
     pub points: Vec<ContactPoint>,
@@ -52,15 +52,14 @@ pub struct Pressed {
     pub factor_mib: f64,
 }
 
-/// Share of the footprint's radius over which pressures are judged.
-pub const JUDGED_SHARE: f64 = 0.8;
-
 /// Estimated error of a press at one load.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PressureError {
     /// Root mean square of the pressure's error over 0.8 of the footprint's radius (all of the face under an indenter),
     /// as a share of the pressure's own: that of the mesh.
     pub rms: f64,
+    /// Error of the peak pressure, as a share of it: that of the mesh.
+    pub peak: f64,
     /// Error of the force, as a share of it: that of the mesh.
     pub force: f64,
     /// What a sharp edge in place of a rigid sensor's rounded one would change, where the sensor slides.
@@ -77,15 +76,4 @@ pub struct Rounding {
     pub rms: f64,
     /// Change of the force, as a share of it.
     pub force: f64,
-}
-
-/// Whether a point lies within the part of the face over which pressures are judged: an indenter has no singular edge,
-/// so all of its contact is.
-pub fn is_judged(setup: &Setup, point: &ContactPoint) -> bool {
-    if matches!(setup.sensor, SensorBody::Indenter(_)) {
-        return true;
-    }
-    let [x, y, _] = point.reference_mm;
-    let across = if setup.kinematics.dim() == 3 { x.hypot(y) } else { x.abs() };
-    across <= JUDGED_SHARE * setup.reach_mm()
 }

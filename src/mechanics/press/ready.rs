@@ -1,8 +1,9 @@
 //! One press on one mesh.
 
 use super::carry::Guesses;
+use super::face::peak;
 use super::load::{Reached, march};
-use super::pressed::{PressStep, Pressed, is_judged};
+use super::pressed::{PressStep, Pressed};
 use super::{Assembly, Cost, Load, Pose, PressError, Setup, contact_points};
 use crate::mechanics::newton::{LinearSolver, Solver};
 use crate::mechanics::path::PathError;
@@ -95,8 +96,7 @@ fn without_rounding(steps: &mut [PressStep]) {
 
 fn step(setup: &Setup, assembly: &Assembly, Reached { state, pose, force_n }: Reached) -> PressStep {
     let points = contact_points(&assembly.problem, 0, &state);
-    let judged = points.iter().filter(|point| is_judged(setup, point));
-    let peak_pressure_kpa = judged.map(|point| point.pressure_kpa).fold(0.0, f64::max);
+    let peak_pressure_kpa = peak(setup, &points).map_or(0.0, |(_, pressure)| pressure.max(0.0));
     let Pose { depth_mm, slide_mm, hold_s } = pose;
     PressStep { depth_mm, slide_mm, hold_s, force_n, peak_pressure_kpa, points, state, error: None }
 }
