@@ -64,11 +64,11 @@ uniform = [0.5, 4]
 """
 
 
-def swept(folder, scene, measures, vary, design, program):
+def swept(folder, scene, measures, vary, design, program, more=""):
     folder.mkdir()
     (folder / "scene.toml").write_text(scene)
     measured = "".join(f'[[measure]]\nkind = "{kind}"\n' for kind in measures)
-    head = f'[sweep]\nscene = "scene.toml"\ndesign = {design}\nrandom_numbers = "own"\n'
+    head = f'[sweep]\nscene = "scene.toml"\ndesign = {design}\nrandom_numbers = "own"\n{more}'
     (folder / "sweep.toml").write_text(head + vary + measured)
     command = [program, "sweep", "run", folder / "sweep.toml", "-o", folder / "out", "--quiet"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)

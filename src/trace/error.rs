@@ -7,14 +7,17 @@ use thiserror::Error;
 pub enum TraceError {
     /// A GPU was asked for and none is there.
     #[error(
-        "no Vulkan, Metal or DX12 adapter found; use --backend cpu, or install a driver (lavapipe: mesa-vulkan-drivers)"
+        "no Vulkan, Metal or DX12 adapter found; use the backend `cpu`, or install a driver (lavapipe: \
+         mesa-vulkan-drivers)"
     )]
     NoAdapter,
     /// The device went away.
     #[error("the GPU device was lost ({0}); nothing was written")]
     DeviceLost(String),
     /// A buffer exceeds what the device offers.
-    #[error("{what} needs {needed} bytes, the device allows {allowed}; use fewer pixels or texels, or --backend cpu")]
+    #[error(
+        "{what} needs {needed} bytes, the device allows {allowed}; use fewer pixels or texels, or the backend `cpu`"
+    )]
     Memory {
         /// What needs it.
         what: &'static str,
@@ -67,7 +70,7 @@ pub enum TraceError {
         precision: &'static str,
     },
     /// The driver ended loops before their time.
-    #[error("the GPU driver ended loops early: {finished} of {sent} paths were traced; use --backend cpu")]
+    #[error("the GPU driver ended loops early: {finished} of {sent} paths were traced; use the backend `cpu`")]
     CutShort {
         /// Paths that came to their end.
         finished: u64,

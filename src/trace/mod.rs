@@ -13,11 +13,11 @@
 //! - `map`: camera paths find light that has met no tissue, by meeting an LED, and all other light at the first tissue
 //!   they meet, from the map; photons find the exitance of the tissue.
 //! - `splat`: photons find light whose last tissue is seen straight through the layers, connected to the pinhole;
-//!   camera
-//!   paths find all other light.
+//!   camera paths find all other light.
 //!
 //! So every path from an LED to the camera is found by exactly one pass.
 
+mod asked;
 pub mod backend;
 pub mod batch;
 pub mod constants;

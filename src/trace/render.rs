@@ -4,6 +4,7 @@
 //! variance of the mean comes from their spread, for pixels and for blocks of pixels, because neighbours share photons.
 //! Within a replicate sums are 64-bit fixed point, so they do not depend on the order of the work.
 
+use super::asked;
 use super::backend::{Backend, Devices};
 use super::batch::{Batch, Times, Totals, Work};
 use super::error::TraceError;
@@ -36,21 +37,7 @@ const LEAST_PHOTONS: u64 = 1 << 22;
 /// The same where unfolding finds most light.
 const LEAST_PHOTONS_BESIDE_UNFOLDING: u64 = 1 << 20;
 /// Fewest photons of a replicate for an asked time.
-const FEW_PHOTONS: u64 = 1 << 12;
-/// Photons of a replicate that an error of [`FIRST_ERROR`] begins with, and the most times more for a smaller one: in an
-/// image of full size these take about as long as its camera paths and its map, which each attempt pays for
-/// (docs/decisions/asked-errors.md).
-const FIRST_PHOTONS: u64 = 1 << 15;
-const FIRST_ERROR: f64 = 0.02;
-const MOST_FIRST: f64 = 4.0;
-/// Photons for an asked error over those that match the camera paths, where nothing is unfolded: on `phantom-size-8mm` a
-/// photon a pixel is 22 times as much of the variance as a camera path a pixel, and takes twice as long.
-const PHOTONS_A_PATH: u64 = 3;
-/// Most camera paths per pixel for an asked error.
-const MOST_SPP: u32 = 1 << 24;
-/// What is taken above the work that an error found asks for, and the most at once: a first error may be a poor guess.
-const SAFETY: f64 = 1.15;
-const MOST_SCALE: f64 = 8.0;
+pub(super) const FEW_PHOTONS: u64 = 1 << 12;
 /// Share of the photons in the time of a replicate, for the progress alone.
 const PHOTON_SHARE: f64 = 0.5;
 /// Edge of the blocks in which a shape is looked for, and that in images of few pixels.
@@ -166,7 +153,7 @@ pub fn render(
     let mut backend = devices.load(model)?;
     let opening = start.elapsed().as_secs_f64();
     let outcome = match settings.target_error {
-        Some(target) => until(&mut backend, model, settings, target, observe)?,
+        Some(target) => asked::until(&mut backend, model, settings, target, observe)?,
         None => render_on(&mut backend, model, settings, observe)?,
     };
     Ok(Outcome {
@@ -174,60 +161,6 @@ pub fn render(
         setup_seconds: opening + outcome.setup_seconds,
         ..outcome
     })
-}
-
-/// Renders until the relative error is at most `target`.
-///
-/// It renders with the least work first, and from what that leaves anew with as much as it takes: the smoothing of a
-/// map is then chosen for the noise of the whole, and its bias shrinks with it, where added replicates would keep a
-/// kernel for more noise. What the photons of a map have left is kept: it is that of the first of more, bit by bit. The
-/// least work is a camera path per pixel and replicate, and few photons, since each path reads the smoothed map, whose
-/// noise is most of the error: photons alone grow until they are as many to a camera path as suits the scene, and both
-/// from there.
-fn until(
-    backend: &mut Backend,
-    model: &Model<f64>,
-    settings: &Settings,
-    target: f64,
-    observe: &mut Observer,
-) -> Result<Outcome, TraceError> {
-    let kernel = Kernel::of(model);
-    let integrator = Plan::choose(settings.integrator, &kernel)?.integrator;
-    let a_path = if integrator == Integrator::Map && kernel.unfolded == 0 { PHOTONS_A_PATH } else { 1 };
-    let each = (a_path * photons(&kernel, integrator, pixels(model))).max(FEW_PHOTONS) as f64;
-    // Camera paths per pixel that the photons match: at first fewer than there are.
-    let mut work = f64::from(REPLICATES);
-    if integrator != Integrator::Path {
-        let first = FIRST_PHOTONS as f64 * (FIRST_ERROR / target).powi(2).clamp(1.0, MOST_FIRST);
-        work *= (first / each).min(1.0);
-    }
-    let mut batch = Batch::new(model, backend, integrator, settings.seed).keeping();
-    let (mut seconds, mut setup_seconds, mut segments, mut times) = (0.0, 0.0, 0, Times::default());
-    loop {
-        let spp = (work.ceil() as u32).max(REPLICATES);
-        // As many to each path that is traced: a replicate never has fewer than before, and needs those alone that it lacks.
-        let [paths, replicates] = shared(spp).map(f64::from);
-        let photons = Some((each * if work < f64::from(REPLICATES) { work } else { paths * replicates }) as u64);
-        let once = Settings { spp, photons, seconds: None, ..settings.clone() };
-        let outcome = render_batch(&mut batch, &once, observe)?;
-        seconds += outcome.seconds;
-        setup_seconds += outcome.setup_seconds;
-        segments += outcome.segments;
-        times = times.and(outcome.times);
-        let more = match outcome.relative_error {
-            Some(error) if error > target => {
-                let scale = (SAFETY * (error / target).powi(2)).clamp(SAFETY, MOST_SCALE);
-                (work * scale).min(f64::from(MOST_SPP))
-            }
-            Some(_) => work,
-            // Dark, perhaps by chance: not more than the scene asks for is spent on it.
-            None => work.max(f64::from(settings.spp)),
-        };
-        if more <= work {
-            return Ok(Outcome { seconds, setup_seconds, segments, times, ..outcome });
-        }
-        work = more;
-    }
 }
 
 /// Renders on a backend that holds the model already: one device for many seeds. Work is that of the settings, or for
@@ -247,7 +180,11 @@ pub fn render_on(
 }
 
 /// Renders by a batch that begins anew, but for what it keeps.
-fn render_batch(batch: &mut Batch, settings: &Settings, observe: &mut Observer) -> Result<Outcome, TraceError> {
+pub(super) fn render_batch(
+    batch: &mut Batch,
+    settings: &Settings,
+    observe: &mut Observer,
+) -> Result<Outcome, TraceError> {
     let (model, start) = (batch.model, Instant::now());
     let kernel = Kernel::of(model);
     let plan = Plan::choose(settings.integrator, &kernel)?;
@@ -430,13 +367,13 @@ impl Gather {
 }
 
 /// Camera paths per pixel in a replicate, and replicates, of so many asked for.
-fn shared(spp: u32) -> [u32; 2] {
+pub(super) fn shared(spp: u32) -> [u32; 2] {
     let each = (spp / REPLICATES).clamp(1, REPLICATE_PATHS);
     [each, spp.div_ceil(each).max(REPLICATES)]
 }
 
 /// Photons to match so many camera paths.
-fn photons(kernel: &Kernel, integrator: Integrator, paths: u64) -> u64 {
+pub(super) fn photons(kernel: &Kernel, integrator: Integrator, paths: u64) -> u64 {
     match integrator {
         Integrator::Path => 0,
         Integrator::Map if kernel.unfolded > 0 => paths.div_ceil(PATHS_TO_A_PHOTON),
@@ -444,7 +381,7 @@ fn photons(kernel: &Kernel, integrator: Integrator, paths: u64) -> u64 {
     }
 }
 
-fn pixels(model: &Model<f64>) -> u64 {
+pub(super) fn pixels(model: &Model<f64>) -> u64 {
     model.camera.size.map(u64::from).iter().product()
 }
 
