@@ -93,7 +93,8 @@ fn judge(case: &Case) -> Result<Vec<Row>> {
         |force_n: f64, points| vec![off(force_n, step.force_n), difference(&pressed.setup, &step.points, points)];
     let mut truths = against(force_n, &truth.points);
     truths.push(off(truth.peak_pressure_kpa, step.peak_pressure_kpa));
-    let mut rows = vec![Row { group, truth: truths, estimate: vec![error.force, error.rms, error.peak] }];
+    let peak = error.peak.context("no estimate of the peak")?;
+    let mut rows = vec![Row { group, truth: truths, estimate: vec![error.force, error.rms, peak] }];
     if let Some([a_over_h, poisson]) = case.punch {
         let sharp = layers::Punched::on(&layers::one(a_over_h, poisson));
         let rounding = error.rounding.context("no estimate of the rounding")?;

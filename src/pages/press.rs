@@ -82,20 +82,13 @@ pub fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Section {
         vec![
             load_name(step),
             format!("{:.4}", step.force_n),
-            format!("{:.4}", step.peak_pressure_kpa),
-            percent(step.error.map(|error| error.rms)),
-            percent(step.error.map(|error| error.peak)),
             percent(step.error.map(|error| error.force)),
+            format!("{:.4}", step.peak_pressure_kpa),
+            percent(step.error.and_then(|error| error.peak)),
+            percent(step.error.map(|error| error.rms)),
         ]
     });
-    let columns = [
-        "load",
-        "force (N)",
-        "peak pressure (kPa)",
-        "error of pressure (% rms)",
-        "error of the peak (%)",
-        "error of force (%)",
-    ];
+    let columns = ["load", "force (N)", "± (%)", "peak pressure (kPa)", "± (%)", "all pressures, rms ± (%)"];
     items.push(Item::Table(Table {
         caption: "Presses; errors are estimated from a second, coarser mesh".into(),
         columns: columns.map(str::to_owned).to_vec(),
@@ -150,10 +143,10 @@ pub fn press_rows(pressed: &Pressed) -> Vec<(String, String)> {
                     )
                 };
                 let sharp = error.rounding.map_or(String::new(), sharp);
+                let peak = error.peak.map_or(String::new(), |peak| format!(", its peak within {} %", percent(peak)));
                 format!(
-                    " (pressure within {} % rms, its peak within {} %, force within {} %{sharp})",
+                    " (pressure within {} % rms{peak}, force within {} %{sharp})",
                     percent(error.rms),
-                    percent(error.peak),
                     percent(error.force)
                 )
             }

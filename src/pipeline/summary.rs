@@ -394,6 +394,8 @@ impl StepSummary {
         };
         let sharp = "no flat rigid sensor with a rounded edge slides, or its arc takes half of the face";
         let rounding = step.error.and_then(|error| error.rounding);
+        let bends = "the pressure is singular where the indenter's profile bends: its peak has no limit";
+        let without_peak = if step.error.is_some() { bends } else { without };
         let without_rounding = if step.error.is_some() { sharp } else { without };
         Self {
             depth_mm: step.depth_mm,
@@ -402,7 +404,7 @@ impl StepSummary {
             force_n: step.force_n,
             peak_pressure_kpa: step.peak_pressure_kpa,
             pressure_error: Figure::of(step.error.map(|error| error.rms), without),
-            peak_error: Figure::of(step.error.map(|error| error.peak), without),
+            peak_error: Figure::of(step.error.and_then(|error| error.peak), without_peak),
             force_error: Figure::of(step.error.map(|error| error.force), without),
             pressure_rounding: Figure::of(rounding.map(|rounding| rounding.rms), without_rounding),
             force_rounding: Figure::of(rounding.map(|rounding| rounding.force), without_rounding),

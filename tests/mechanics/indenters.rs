@@ -68,6 +68,7 @@ fn a_ball_presses_as_hertz_says_within_what_is_estimated() {
     println!("force off by {force:.1e} of {:.1e}, peak by {peak:.1e} of {:.1e} rms", error.force, error.rms);
     assert!(force < 5e-3 && peak < 5e-3, "{force} {peak}");
     assert!(force < error.force && error.force < 0.05 && error.rounding.is_none(), "{force} {error:?}");
+    assert!(error.peak.is_some_and(|estimate| peak < estimate && estimate < error.rms), "{peak} {error:?}");
     // A ball a tenth larger would be noticed.
     assert!(off(1.1 / SLOPE).iter().all(|off| *off > 0.04));
 }
@@ -83,6 +84,7 @@ fn a_cone_from_a_table_presses_as_sneddon_says() {
     println!("force off by {off:.1e} of {:.1e}", error.force);
     assert!(off.abs() < 5e-3 && off.abs() < error.force && error.force < 0.1, "{off} {error:?}");
     assert!((step.force_n / force_n(0.95 / SLOPE) - 1.0).abs() > 0.03);
+    assert_eq!(error.peak, None, "a tip's pressure has no limit");
 }
 
 #[test]

@@ -32,11 +32,15 @@ impl Shares {
         let elements = |pressed: &Pressed| pressed.assembly.problem.mesh.element_count() as f64;
         let ratio = (elements(pressed) / elements(coarse)).powf(1.0 / pressed.setup.kinematics.dim() as f64);
         let share = |order: f64| SAFETY / (ratio.powf(order) - 1.0);
-        // Where a table bends, the pressure is singular as the logarithm of the distance.
-        let bends = matches!(pressed.setup.sensor, SensorBody::Indenter(Profile::Table(_)));
-        let local = share(if bends { EDGE_ORDER } else { LOCAL_ORDER });
+        let local = share(if bends(&pressed.setup) { EDGE_ORDER } else { LOCAL_ORDER });
         (ratio > 1.0).then(|| Self { local, edge: share(EDGE_ORDER) })
     }
+}
+
+/// Whether what presses is given by points: where such a profile bends, the pressure is singular as the logarithm of
+/// the distance.
+fn bends(setup: &Setup) -> bool {
+    matches!(setup.sensor, SensorBody::Indenter(Profile::Table(_)))
 }
 
 /// Force below which a press bears nothing, as a share of the largest.
@@ -69,9 +73,10 @@ pub(super) fn estimate(
             rms: SAFETY * difference(setup, &coarse.points, &rounder.points),
             force: SAFETY * share_of(coarse.force_n - rounder.force_n, coarse.force_n),
         });
+        let by_order = [shares.local, shares.edge];
         fine.error = Some(PressureError {
-            rms: pressure_error(setup, &fine.points, &coarse.points, [shares.local, shares.edge]),
-            peak: peak_error(setup, &fine.points, &coarse.points, [shares.local, shares.edge]),
+            rms: pressure_error(setup, &fine.points, &coarse.points, by_order),
+            peak: (!bends(setup)).then(|| peak_error(setup, &fine.points, &coarse.points, by_order)),
             force: (shares.edge * share_of(fine.force_n - coarse.force_n, fine.force_n))
                 .max(end_of_contact(setup, &fine.points)),
             rounding,

@@ -58,8 +58,9 @@ pub struct PressureError {
     /// Root mean square of the pressure's error over 0.8 of the footprint's radius (all of the face under an indenter),
     /// as a share of the pressure's own: that of the mesh.
     pub rms: f64,
-    /// Error of the peak pressure, as a share of it: that of the mesh.
-    pub peak: f64,
+    /// Error of the peak pressure, as a share of it: that of the mesh. None under an indenter by points: pressure is
+    /// singular where its profile bends, and so has no limit as the mesh is refined.
+    pub peak: Option<f64>,
     /// Error of the force, as a share of it: that of the mesh.
     pub force: f64,
     /// What a sharp edge in place of a rigid sensor's rounded one would change, where the sensor slides.
