@@ -61,6 +61,52 @@ impl Case {
         Self { setup, words, punch: Some([a_over_h, poisson]) }
     }
 
+    /// Case `number` in three dimensions: a disc, a square or a rectangle tied to a phantom. Half have a ball off the
+    /// axis or a tilt, the others are a quarter of a phantom with a ball on the axis or none.
+    pub fn solid(seed: u32, number: u32) -> Result<Self> {
+        let draw = &mut Draw(PixelRandom::new(seed, number));
+        let placed = draw.chance(0.5);
+        let (offset, tilt) = (draw.between(1.0, 6.0), draw.between(0.3, 1.5));
+        let tilted = placed && draw.chance(0.5);
+        let base = Self::phantom(draw, 2 * number)?;
+        let narrow = 9.0 + draw.between(0.0, 4.0);
+        let size_mm = [44.0, 44.0];
+        let mut setup = Setup { kinematics: Kinematics::ThreeDimensional, ..base.setup };
+        let (PhantomShape::Cylinder { height_mm, .. } | PhantomShape::Block { height_mm, .. }) = setup.phantom.shape;
+        let footprint = match number % 3 {
+            0 => Footprint::Round { radius_mm: 12.0 },
+            1 => Footprint::Rectangle { half_widths_mm: [12.0; 2] },
+            _ => Footprint::Rectangle { half_widths_mm: [13.0, narrow] },
+        };
+        if let Footprint::Rectangle { .. } = footprint {
+            setup.phantom.shape = PhantomShape::Block { size_mm, height_mm };
+        }
+        // A soft layer's rim is sharp here: one radius for all.
+        setup.sensor = match setup.sensor {
+            SensorBody::Layers { layers, .. } => SensorBody::Layers { layers, edge_radius_mm: 0.5 },
+            SensorBody::Rigid { .. } | SensorBody::Indenter(_) => SensorBody::Rigid { edge_radius_mm: 0.0 },
+        };
+        let fineness = draw.one_of([0.5, 0.65]);
+        setup.phantom.footprint = footprint;
+        setup.phantom.resolution = Resolution::SOLID.finer(fineness);
+        setup.phantom.symmetry = [!placed, true];
+        if placed && !tilted {
+            setup.phantom.inclusions.iter_mut().for_each(|ball| ball.center_mm[0] += offset);
+        }
+        setup.tilt_deg = [0.0, if tilted { tilt } else { 0.0 }];
+        let what = match footprint {
+            Footprint::Round { .. } => "disc".into(),
+            Footprint::Rectangle { half_widths_mm: [x, y] } => format!("{:.0} x {:.0} mm", 2.0 * x, 2.0 * y),
+        };
+        let place = match (tilted, placed) {
+            (true, _) => format!("tilted {tilt:.1} deg"),
+            (false, true) => format!("off the axis by {offset:.1} mm"),
+            (false, false) => "centred".into(),
+        };
+        let words = format!("{what}, {place}, {} at {fineness}", base.words);
+        Ok(Self { setup, words, punch: None })
+    }
+
     /// A phantom on a sensor of 15 mm.
     fn phantom(draw: &mut Draw, number: u32) -> Result<Self> {
         let tied = number.is_multiple_of(2);

@@ -1,6 +1,6 @@
 //! Do the errors that a press estimates of itself hold?
 //!
-//!     cargo run --release --example press_errors -- [--cases 48] [--first 0] [--seed 2]
+//!     cargo run --release --example press_errors -- [--cases 48] [--first 0] [--seed 2] [--solid]
 //!
 //! Draws presses (`cases.rs`) and compares what each says of its error with the error against a mesh 2 to 4 times as
 //! fine, as unknowns allow. Where the contact's edge is tied, and so of first order, what such a mesh leaves itself is
@@ -8,6 +8,8 @@
 //! with the sharp punch's closed form (`tests/mechanics/layers.rs`); there the estimate is that of the mesh and that of
 //! the rounding together. Prints a row for each, then the share that holds and the median of estimated over true, for
 //! other factors of safety too. Takes a quarter of an hour on two cores, most of it for presses that rub.
+//!
+//! With `--solid` presses are in three dimensions, on coarse meshes, against ones twice as fine.
 
 #[path = "../../tests/mechanics/layers.rs"]
 #[allow(clippy::unwrap_used, dead_code)]
@@ -19,8 +21,9 @@ use anyhow::{Context as _, Result};
 use cases::Case;
 use clap::Parser;
 use tirtouch::mechanics::contact::Grip;
+use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::press::error_estimate::{SAFETY, difference};
-use tirtouch::mechanics::press::{PressSettings, PressStep, Pressed, Setup, press};
+use tirtouch::mechanics::press::{Face, PressSettings, PressStep, Pressed, Setup, press};
 
 #[derive(Parser)]
 struct Arguments {
@@ -33,6 +36,9 @@ struct Arguments {
     /// Seed of the draws; the estimates' rule was chosen on 1.
     #[arg(long, default_value_t = 2)]
     seed: u32,
+    /// Presses in three dimensions.
+    #[arg(long)]
+    solid: bool,
 }
 
 /// Estimates beside what they estimate: shares of the force, of the pressure and, but against the closed form, of its
@@ -49,6 +55,8 @@ const FIGURES: [&str; 3] = ["force", "pressure", "peak"];
 /// Most unknowns of a reference, where that leaves more than twice the divisions.
 const MOST_UNKNOWNS: f64 = 62_000.0;
 const MOST_TIMES: usize = 4;
+/// How many times as fine a reference in three dimensions is.
+const SOLID_TIMES: f64 = 2.0;
 
 /// Factors of safety whose outcome is printed.
 const FACTORS: [f64; 5] = [1.0, 1.25, 1.5, 2.0, 3.0];
@@ -57,7 +65,7 @@ fn main() -> Result<()> {
     let arguments = Arguments::parse();
     let mut rows = Vec::new();
     for number in arguments.first..arguments.first + arguments.cases {
-        let case = Case::new(arguments.seed, number)?;
+        let case = if arguments.solid { Case::solid } else { Case::new }(arguments.seed, number)?;
         match judge(&case) {
             Ok(found) => {
                 for row in found {
@@ -74,14 +82,20 @@ fn main() -> Result<()> {
 
 fn judge(case: &Case) -> Result<Vec<Row>> {
     let pressed = pressed(&case.setup, true)?;
-    let times = ((MOST_UNKNOWNS / pressed.unknowns as f64).sqrt() as usize).clamp(2, MOST_TIMES);
     let mut finer = case.setup.clone();
-    finer.phantom.resolution.subdivision *= times;
+    let times = if finer.kinematics == Kinematics::ThreeDimensional {
+        finer.phantom.resolution = finer.phantom.resolution.finer(SOLID_TIMES);
+        SOLID_TIMES
+    } else {
+        let times = ((MOST_UNKNOWNS / pressed.unknowns as f64).sqrt() as usize).clamp(2, MOST_TIMES);
+        finer.phantom.resolution.subdivision *= times;
+        times as f64
+    };
     let reference = self::pressed(&finer, false)?;
     let (step, truth) = (last(&pressed)?, last(&reference)?);
     let error = step.error.context("no estimate")?;
     let tied = case.setup.grip == Grip::Bonded;
-    let hidden = if tied { 1.0 / (times - 1) as f64 } else { 0.0 };
+    let hidden = if tied { 1.0 / (times - 1.0) } else { 0.0 };
     let force_n = truth.force_n + hidden * (truth.force_n - step.force_n);
     let group = match (tied, case.punch) {
         (true, _) => "tied",
@@ -89,9 +103,9 @@ fn judge(case: &Case) -> Result<Vec<Row>> {
         (false, Some(_)) => "punch",
     };
     let off = |true_one: f64, own: f64| (true_one / own - 1.0).abs();
-    let against =
-        |force_n: f64, points| vec![off(force_n, step.force_n), difference(&pressed.setup, &step.points, points)];
-    let mut truths = against(force_n, &truth.points);
+    let own = Face::of(&pressed, step);
+    let against = |force_n: f64, face: &Face| vec![off(force_n, step.force_n), difference(&own, face)];
+    let mut truths = against(force_n, &Face::of(&reference, truth));
     truths.push(off(truth.peak_pressure_kpa, step.peak_pressure_kpa));
     let peak = error.peak.context("no estimate of the peak")?;
     let mut rows = vec![Row { group, truth: truths, estimate: vec![error.force, error.rms, peak] }];
@@ -99,7 +113,8 @@ fn judge(case: &Case) -> Result<Vec<Row>> {
         let sharp = layers::Punched::on(&layers::one(a_over_h, poisson));
         let rounding = error.rounding.context("no estimate of the rounding")?;
         let estimate = vec![error.force + rounding.force, error.rms + rounding.rms];
-        rows.push(Row { group: "punch, closed form", truth: against(sharp.force_n(), &sharp.face()), estimate });
+        let exact = Face::along(&pressed.setup, sharp.face());
+        rows.push(Row { group: "punch, closed form", truth: against(sharp.force_n(), &exact), estimate });
     }
     Ok(rows)
 }

@@ -5,7 +5,7 @@ use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::path::PathError;
 use crate::mechanics::press::error_estimate::{NOTHING, difference};
-use crate::mechanics::press::{ContactPoint, Load, PressError, PressSettings, Setup, press};
+use crate::mechanics::press::{Face, Load, PressError, PressSettings, Setup, press};
 use crate::progress::Observer;
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +46,7 @@ pub struct Reached {
     /// Force, N.
     pub force_n: f64,
     /// The touched face.
-    pub points: Vec<ContactPoint>,
+    pub face: Face,
 }
 
 /// What a press found, and how long it took.
@@ -139,7 +139,7 @@ pub fn run(setup: &Setup, observe: &mut Observer) -> Result<Found, PressError> {
     let reached = asked.iter().zip(&pressed.steps).filter(|(_, step)| step.force_n.abs() > NOTHING * largest);
     Ok(Found {
         reached: reached
-            .map(|(&asked, step)| Reached { asked, force_n: step.force_n, points: step.points.clone() })
+            .map(|(&asked, step)| Reached { asked, force_n: step.force_n, face: Face::of(&pressed, step) })
             .collect(),
         stopped,
         seconds: pressed.seconds,
@@ -168,8 +168,8 @@ pub fn common_load(all: &[(Choice, Found)], family: &str) -> Option<f64> {
 }
 
 /// Differences to the reference as shares: of the force, and of the pressure.
-fn differences(setup: &Setup, found: &Reached, reference: &Reached) -> [f64; 2] {
-    [found.force_n / reference.force_n - 1.0, difference(setup, &found.points, &reference.points)]
+fn differences(found: &Reached, reference: &Reached) -> [f64; 2] {
+    [found.force_n / reference.force_n - 1.0, difference(&found.face, &reference.face)]
 }
 
 /// The rungs of force and pressure, at the highest load that all of a family reached. The reference of a mesh is off by
@@ -184,7 +184,7 @@ pub fn rungs(all: &[(Choice, Found)]) -> Vec<Rung> {
         let measured: Vec<(&Choice, &Found, [f64; 2])> = members
             .iter()
             .filter(|(choice, _)| !choice.is_reference)
-            .filter_map(|(choice, found)| Some((choice, found, differences(&choice.setup, found.at(load)?, exact))))
+            .filter_map(|(choice, found)| Some((choice, found, differences(found.at(load)?, exact))))
             .collect();
         for (which, (quantity, series)) in QUANTITIES.into_iter().enumerate() {
             let alike = measured.iter().filter(|(choice, ..)| choice.setup.pressure == reference.setup.pressure);
@@ -228,8 +228,9 @@ mod tests {
     fn presses_are_compared_at_the_highest_load_that_all_reached() {
         let scene = crate::scene::preset("phantom-size-8mm").unwrap();
         let setup = crate::mechanics::from_scene::press_setup(&scene).unwrap();
+        let face = Face::along(&setup, Vec::new());
         let found = |loads: &[f64]| Found {
-            reached: loads.iter().map(|&asked| Reached { asked, force_n: asked, points: Vec::new() }).collect(),
+            reached: loads.iter().map(|&asked| Reached { asked, force_n: asked, face: face.clone() }).collect(),
             stopped: None,
             seconds: 1.0,
             unknowns: 1,

@@ -13,7 +13,7 @@ use crate::scene::LoadedScene;
 use crate::streams::{Role, Streams};
 use crate::surface::Surface;
 use crate::trace::gains::{Gain, gains, small};
-use crate::trace::{Devices, Integrator, Kernel, Model, Plan, TraceError};
+use crate::trace::{Devices, Integrator, Kernel, Model, Plan, REPLICATES, TraceError};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -197,8 +197,9 @@ impl Seen {
         self.kernel.pieces().iter().filter(|(_, is_in)| *is_in == wanted).map(|(name, _)| *name).collect()
     }
 
-    /// Bytes that a render holds, on the device and in the program, about.
-    fn memory(&self) -> [u64; 2] {
+    /// Bytes that a render holds, on the device and in the program, about; and what a render to an asked error keeps
+    /// beside it of each replicate's photons.
+    fn memory(&self) -> [u64; 3] {
         let [columns, rows] = self.prepared.model.camera.size.map(u64::from);
         let pixels = columns * rows;
         let texels = (self.prepared.model.map_size[0] * self.prepared.model.map_size[1]) as u64;
@@ -216,12 +217,13 @@ impl Seen {
         };
         // Device: two words a sum and the count of segments beside it, and the surface, once for camera paths and once
         // for photons. Program: what comes back, the replicate, running mean and deviation, film, picture values.
-        [2 * (16 * pixels + 4 * control) + deposits, 64 * pixels + deposits + 8 * control]
+        let kept = if self.plan.integrator == Integrator::Map { u64::from(REPLICATES) * 2 * 8 * texels } else { 0 };
+        [2 * (16 * pixels + 4 * control) + deposits, 64 * pixels + deposits + 8 * control, kept]
     }
 
     fn json(&self) -> Result<Value, ProjectionError> {
         let scene = self.prepared.scene();
-        let [device, program] = self.memory();
+        let [device, program, kept] = self.memory();
         Ok(json!({
             "scene": scene.name,
             "description": scene.description,
@@ -233,7 +235,7 @@ impl Seen {
             "why": self.plan.why,
             "kernel": {"included": self.pieces(true), "left_out": self.pieces(false)},
             "camera": {"pixels": scene.camera.pixels, "mm_per_pixel": view_of(self.prepared.scene())?.mm_per_pixel()},
-            "memory": {"device_bytes": device, "program_bytes": program},
+            "memory": {"device_bytes": device, "program_bytes": program, "asked_error_bytes": kept},
             "truth": self.truth,
             "press": self.press.map(|cost| cost_json(&cost)),
             "backend": self.device.backend,
@@ -279,7 +281,7 @@ impl Seen {
         for regime in regimes(&self.prepared, &self.layers) {
             let _ = writeln!(text, "  - {regime}");
         }
-        let [device, program] = self.memory().map(|bytes| figure(bytes as f64 / f64::from(1 << 20)));
+        let [device, program, kept] = self.memory().map(|bytes| figure(bytes as f64 / f64::from(1 << 20)));
         let list = |pieces: Vec<&str>| if pieces.is_empty() { "nothing".to_owned() } else { pieces.join(", ") };
         let row = |name: &str, value: String| (name.to_owned(), value);
         let mut rows = vec![
@@ -296,7 +298,12 @@ impl Seen {
                     figure(view_of(self.prepared.scene())?.mm_per_pixel())
                 ),
             ),
-            row("memory", format!("about {device} MiB on the device, {program} MiB in the program")),
+            row(
+                "memory",
+                format!(
+                    "about {device} MiB on the device, {program} MiB in the program, {kept} more to an asked error"
+                ),
+            ),
         ];
         rows.extend(phantom_rows(&self.truth));
         rows.extend(scene.press.as_ref().map(|press| row("loads", loads(press))));

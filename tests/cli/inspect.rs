@@ -62,6 +62,10 @@ fn kernel_pieces_follow_the_scene() {
     assert!(list(&inspected("preset:contact-disc"), "included").contains(&edge));
     assert_eq!(inspected("preset:tsis-dent")["surface"], "spherical cap in closed form");
     assert!(pressed["adapter"].is_string() && pressed["memory"]["device_bytes"].as_u64().unwrap() > 0);
+    // 16 replicates of two sums a texel of the map.
+    let kept = |scene: &Value| scene["memory"]["asked_error_bytes"].as_u64().unwrap();
+    assert!(kept(&pressed) >= 256 && kept(&pressed).is_multiple_of(256));
+    assert_eq!(kept(&inspected("preset:tsis-dent")), 0, "light that camera paths find leaves nothing");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::layers::{Punched, one, rounded};
 use tirtouch::mechanics::contact::Grip;
 use tirtouch::mechanics::mesh::Resolution;
 use tirtouch::mechanics::press::error_estimate::difference;
-use tirtouch::mechanics::press::{Load, PressSettings, Pressed, SensorBody, Setup, press};
+use tirtouch::mechanics::press::{Face, Load, PressSettings, Pressed, SensorBody, Setup, press};
 
 /// Errors of force and pressure as shares, and their estimates.
 struct Judged {
@@ -54,7 +54,8 @@ fn against_the_sharp_punch(a_over_h: f64, poisson: f64) -> [Judged; 2] {
     let layer = one(a_over_h, poisson);
     let pressed = pressed(&rounded(&layer, Resolution::PLANE.finer(0.5)), true);
     let (step, sharp) = (&pressed.steps[0], Punched::on(&layer));
-    let truth = [(sharp.force_n() / step.force_n - 1.0).abs(), difference(&pressed.setup, &step.points, &sharp.face())];
+    let [own, exact] = [Face::of(&pressed, step), Face::along(&pressed.setup, sharp.face())];
+    let truth = [(sharp.force_n() / step.force_n - 1.0).abs(), difference(&own, &exact)];
     let (error, what) = (step.error.unwrap(), "sharp punch");
     let rounding = error.rounding.unwrap();
     [[error.force, error.rms], [error.force + rounding.force, error.rms + rounding.rms]].map(|estimate| Judged {

@@ -1,6 +1,6 @@
 //! Error of a press, from a second one on a coarser mesh, and from a third by a rounder edge.
 
-use super::face::{self, is_judged, pressure_at};
+use super::face::Face;
 use super::pressed::{Pressed, PressureError, Rounding};
 use super::ready::Ready;
 use super::{ContactPoint, Load, PressError, SensorBody, Setup};
@@ -60,28 +60,38 @@ pub(super) fn estimate(
         None => again(pressed, pressed.setup.coarsened(), method, &mut |done| observe(done / parts))?,
     };
     let rounder = match rounder {
-        Some(setup) => again(pressed, setup, method, &mut |done| observe((1.0 + done) / parts))?.steps,
-        None => Vec::new(),
+        Some(setup) => Some(again(pressed, setup, method, &mut |done| observe((1.0 + done) / parts))?),
+        None => None,
     };
     let Some(shares) = Shares::of(pressed, &coarse) else { return Ok(()) };
     // Of what is lifted off again, no share is known.
     let least = NOTHING * pressed.steps.iter().map(|step| step.force_n.abs()).fold(0.0, f64::max);
-    let steps = pressed.steps.iter_mut().zip(&coarse.steps).enumerate();
-    for (k, (fine, coarse)) in steps.filter(|(_, (fine, _))| fine.force_n.abs() >= least) {
-        let setup = &pressed.setup;
-        let rounding = rounder.get(k).map(|rounder| Rounding {
-            rms: SAFETY * difference(setup, &coarse.points, &rounder.points),
-            force: SAFETY * share_of(coarse.force_n - rounder.force_n, coarse.force_n),
-        });
-        let by_order = [shares.local, shares.edge];
-        fine.error = Some(PressureError {
-            rms: pressure_error(setup, &fine.points, &coarse.points, by_order),
-            peak: (!bends(setup)).then(|| peak_error(setup, &fine.points, &coarse.points, by_order)),
-            force: (shares.edge * share_of(fine.force_n - coarse.force_n, fine.force_n))
-                .max(end_of_contact(setup, &fine.points)),
-            rounding,
-        });
-    }
+    let by_order = [shares.local, shares.edge];
+    let errors: Vec<_> = pressed
+        .steps
+        .iter()
+        .zip(&coarse.steps)
+        .enumerate()
+        .map(|(k, (step, other))| {
+            if step.force_n.abs() < least {
+                return None;
+            }
+            let [own, others] = [(&*pressed, step), (&coarse, other)].map(|(pressed, step)| Face::of(pressed, step));
+            let rounding = rounder.as_ref().and_then(|rounder| Some((rounder, rounder.steps.get(k)?)));
+            let rounding = rounding.map(|(rounder, step)| Rounding {
+                rms: SAFETY * difference(&others, &Face::of(rounder, step)),
+                force: SAFETY * share_of(other.force_n - step.force_n, other.force_n),
+            });
+            Some(PressureError {
+                rms: pressure_error(&own, &others, by_order),
+                peak: (!bends(&pressed.setup)).then(|| peak_error(&own, &others, by_order)),
+                force: (shares.edge * share_of(step.force_n - other.force_n, step.force_n))
+                    .max(end_of_contact(&pressed.setup, &step.points)),
+                rounding,
+            })
+        })
+        .collect();
+    pressed.steps.iter_mut().zip(errors).for_each(|(step, error)| step.error = error);
     Ok(())
 }
 
@@ -126,13 +136,8 @@ fn share_of(part: f64, whole: f64) -> f64 {
 ///
 /// What the edge sends inwards is smooth there (Saint-Venant), so the difference is split: what p (a + b r^2) follows
 /// by least squares is the edge's, the rest the elements' own. Each counts by its share of the difference.
-pub(super) fn pressure_error(
-    setup: &Setup,
-    fine: &[ContactPoint],
-    coarse: &[ContactPoint],
-    [local, edge]: [f64; 2],
-) -> f64 {
-    let misfits = misfits(setup, fine, coarse);
+pub(super) fn pressure_error(fine: &Face, coarse: &Face, [local, edge]: [f64; 2]) -> f64 {
+    let misfits = misfits(fine, coarse);
     let sum = |term: &dyn Fn(&Misfit) -> f64| misfits.iter().map(|m| m.area * term(m)).sum::<f64>();
     let size = sum(&|m| m.pressure.powi(2));
     if size == 0.0 {
@@ -146,20 +151,21 @@ pub(super) fn pressure_error(
 }
 
 /// Estimated error of the peak of the finer of two pressures, as a share of it: that of the pressure where either has
-/// its peak, split as that of the whole.
-pub(super) fn peak_error(setup: &Setup, fine: &[ContactPoint], coarse: &[ContactPoint], shares: [f64; 2]) -> f64 {
-    let [local, edge] = shares;
-    let (Some((here, peak)), Some((there, _))) = (face::peak(setup, fine), face::peak(setup, coarse)) else {
+/// its peak, split as that of the whole. It is no less than that of the whole: at one place two meshes may agree by
+/// chance, their difference being zero somewhere.
+pub(super) fn peak_error(fine: &Face, coarse: &Face, [local, edge]: [f64; 2]) -> f64 {
+    let (Some((here, peak)), Some((there, _))) = (fine.peak(), coarse.peak()) else {
         return 0.0;
     };
-    let from_edge = sent_by_edge(&misfits(setup, fine, coarse));
+    let from_edge = sent_by_edge(&misfits(fine, coarse));
     let error = |at: [f64; 3]| {
-        let pressure = pressure_at(setup, fine, at)?;
-        let difference = pressure - pressure_at(setup, coarse, at)?;
-        let smooth = from_edge.as_ref().map_or(difference, |share| pressure * share(place(setup, at)));
+        let pressure = fine.pressure_at(at)?;
+        let difference = pressure - coarse.pressure_at(at)?;
+        let smooth = from_edge.as_ref().map_or(difference, |share| pressure * share(fine.place(at)));
         Some((edge * smooth).hypot(local * (difference - smooth)) / peak)
     };
-    if peak > 0.0 { [here, there].into_iter().filter_map(error).fold(0.0, f64::max) } else { 0.0 }
+    let whole = pressure_error(fine, coarse, [local, edge]);
+    if peak > 0.0 { [here, there].into_iter().filter_map(error).fold(whole, f64::max) } else { 0.0 }
 }
 
 /// What the edge sends inwards, as a share of the pressure at a place: a + b r^2. Nothing where too few points tell.
@@ -174,8 +180,8 @@ fn sent_by_edge(misfits: &[Misfit]) -> Option<impl Fn(f64) -> f64 + use<>> {
 }
 
 /// Root mean square difference of two pressures over the judged part, as a share of that of the first.
-pub fn difference(setup: &Setup, fine: &[ContactPoint], coarse: &[ContactPoint]) -> f64 {
-    let misfits = misfits(setup, fine, coarse);
+pub fn difference(fine: &Face, coarse: &Face) -> f64 {
+    let misfits = misfits(fine, coarse);
     let sum = |term: &dyn Fn(&Misfit) -> f64| misfits.iter().map(|m| m.area * term(m)).sum::<f64>();
     let size = sum(&|m| m.pressure.powi(2));
     if size == 0.0 { 0.0 } else { (sum(&|m| m.difference.powi(2)) / size).sqrt() }
@@ -193,21 +199,14 @@ struct Misfit {
 }
 
 /// The judged points of the first face.
-fn misfits(setup: &Setup, fine: &[ContactPoint], coarse: &[ContactPoint]) -> Vec<Misfit> {
-    let judged = fine.iter().filter(|point| is_judged(setup, point));
+fn misfits(fine: &Face, coarse: &Face) -> Vec<Misfit> {
     let misfit = |point: &ContactPoint| {
         Some(Misfit {
             area: point.area_mm2,
             pressure: point.pressure_kpa,
-            difference: point.pressure_kpa - pressure_at(setup, coarse, point.reference_mm)?,
-            place: place(setup, point.reference_mm),
+            difference: point.pressure_kpa - coarse.pressure_at(point.reference_mm)?,
+            place: fine.place(point.reference_mm),
         })
     };
-    judged.filter_map(misfit).collect()
-}
-
-/// Squared distance of a place of the face from the axis, in reaches of the footprint.
-fn place(setup: &Setup, at: [f64; 3]) -> f64 {
-    let [x, y, _] = at.map(|x| x / setup.reach_mm());
-    if setup.kinematics.dim() == 3 { x * x + y * y } else { x * x }
+    fine.judged().filter_map(misfit).collect()
 }

@@ -1,7 +1,7 @@
 //! One press on one mesh.
 
 use super::carry::Guesses;
-use super::face::peak;
+use super::face::Face;
 use super::load::{Reached, march};
 use super::pressed::{PressStep, Pressed};
 use super::{Assembly, Cost, Load, Pose, PressError, Setup, contact_points};
@@ -36,7 +36,8 @@ impl Ready {
         matches!(self.setup.load, Load::Depths(_)) && !self.assembly.problem.way_counts()
     }
 
-    /// One press on one mesh, as far as it comes: the loads that it reached are a press, too. What is told to stop is not.
+    /// One press on one mesh, as far as it comes: the loads that it reached are a press, too. What is told to stop is
+    /// not.
     pub fn press_as_far(
         self,
         near: Option<&Pressed>,
@@ -96,7 +97,8 @@ fn without_rounding(steps: &mut [PressStep]) {
 
 fn step(setup: &Setup, assembly: &Assembly, Reached { state, pose, force_n }: Reached) -> PressStep {
     let points = contact_points(&assembly.problem, 0, &state);
-    let peak_pressure_kpa = peak(setup, &points).map_or(0.0, |(_, pressure)| pressure.max(0.0));
+    let face = Face::new(setup, assembly.problem.contacts.first(), points);
+    let peak_pressure_kpa = face.peak().map_or(0.0, |(_, pressure)| pressure.max(0.0));
     let Pose { depth_mm, slide_mm, hold_s } = pose;
-    PressStep { depth_mm, slide_mm, hold_s, force_n, peak_pressure_kpa, points, state, error: None }
+    PressStep { depth_mm, slide_mm, hold_s, force_n, peak_pressure_kpa, points: face.points, state, error: None }
 }

@@ -3,17 +3,15 @@
 //! The finite elements' displacement moves every point of an interface along and across the stack; the tracer's height
 //! above a place is that of the point that lies there now.
 
-mod face;
 mod sheet;
 
 use super::{ContactMap, HeightField, Profile, Surface, SurfaceError, TissueDisc};
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::mesh::Footprint;
-use crate::mechanics::press::{ContactPoint, PressStep, Pressed, SensorBody};
+use crate::mechanics::press::facets::FacetMesh;
+use crate::mechanics::press::{ContactPoint, PressStep, Pressed, SensorBody, pressure_facets};
 use crate::scene::LoadedScene;
-use face::{Facet, FacetMesh};
 use sheet::Sheet;
-use std::collections::HashMap;
 
 /// Shape of all interfaces under a press.
 ///
@@ -77,43 +75,14 @@ pub fn pressure_map(pressed: &Pressed, step: &PressStep, size_mm: [f64; 2], cell
 
 /// Contact pressure at a place (x, y) over the touched face, mm, as a function: kPa, 0 off the face.
 pub fn pressure_at(pressed: &Pressed, step: &PressStep) -> impl Fn([f64; 2]) -> f64 {
-    let face = PressureFace::of(pressed, step);
-    move |[x, y]| face.at(x, y)
-}
-
-/// Pressure on the touched face.
-struct PressureFace {
-    face: FacetMesh,
-}
-
-impl PressureFace {
-    fn of(pressed: &Pressed, step: &PressStep) -> Self {
-        let contact = &pressed.assembly.problem.contacts[0];
-        let by_node: HashMap<u32, &ContactPoint> = step.points.iter().map(|point| (point.node, point)).collect();
-        let points = |nodes: Vec<u32>| nodes.iter().filter_map(|node| by_node.get(node).copied()).collect::<Vec<_>>();
-        let up = pressed.setup.kinematics.dim() - 1;
-        let facets = contact.facets().map(points).map(|points| {
-            let place = |p: &&ContactPoint| {
-                let across = [0, 1].map(|i| p.reference_mm[i] + p.displacement_mm[i]);
-                [across[0], if up == 2 { across[1] } else { 0.0 }]
-            };
-            Facet {
-                nodes: points.iter().map(|p| p.node).collect(),
-                places: points.iter().map(place).collect(),
-                values: points.iter().map(|p| p.pressure_kpa).collect(),
-            }
-        });
-        Self { face: FacetMesh::of(pressed, facets.collect()) }
-    }
-
-    /// Pressure at a place, kPa: linear over half facets, as the contact has it; 0 off the touched face.
-    fn at(&self, x: f64, y: f64) -> f64 {
-        let Some((k, xi)) = self.face.locate(self.face.meshed([x, y])) else { return 0.0 };
-        let hats = |c: f64| [(-c).max(0.0), 1.0 - c.abs().min(1.0), c.max(0.0)];
-        let [first, second] = [hats(xi[0]), hats(xi[1])];
-        let weight = |a: usize| first[a % 3] * if self.face.axes == 1 { 1.0 } else { second[a / 3] };
-        self.face.facets[k].values.iter().enumerate().map(|(a, p)| p * weight(a)).sum::<f64>().max(0.0)
-    }
+    let up = pressed.setup.kinematics.dim() - 1;
+    let place = |point: &ContactPoint| {
+        let [x, y] = [0, 1].map(|i| point.reference_mm[i] + point.displacement_mm[i]);
+        [x, if up == 2 { y } else { 0.0 }]
+    };
+    let facets = pressure_facets(&pressed.assembly.problem.contacts[0], &step.points, place);
+    let face = FacetMesh::of(pressed, facets);
+    move |at| face.between_nodes(face.meshed(at)).map_or(0.0, |pressure| pressure.max(0.0))
 }
 
 #[cfg(test)]

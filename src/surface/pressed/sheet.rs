@@ -19,10 +19,10 @@
 //! which matters where a round face is pressed in a rectangular stack, an interface levels off, straight away from the
 //! axis.
 
-use super::face::{Facet, FacetMesh};
 use crate::mechanics::element::ShapeFunctions;
 use crate::mechanics::mesh::{Footprint, Mesh};
 use crate::mechanics::press::Pressed;
+use crate::mechanics::press::facets::{Facet, FacetMesh};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq as _;
 use std::collections::hash_map::Entry;

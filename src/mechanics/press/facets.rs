@@ -1,31 +1,36 @@
-//! A face of finite elements in its present place.
+//! A face of finite elements, seen along z.
 
+use super::Pressed;
 use crate::mechanics::element::lagrange;
 use crate::mechanics::kinematics::Kinematics;
-use crate::mechanics::press::Pressed;
+use serde::{Deserialize, Serialize};
 
 /// The nodes of a facet: 3 along r, or 9 over x and y with x fastest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Facet {
     /// Numbers in the mesh.
     pub nodes: Vec<u32>,
-    /// Present positions across the stack, mm; y is 0 along r.
+    /// Positions across the stack, mm; y is 0 along r.
     pub places: Vec<[f64; 2]>,
     /// What each node carries.
     pub values: Vec<f64>,
 }
 
 /// Facets side by side.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FacetMesh {
     /// Coordinates of a facet: 1 (r) or 2 (x, y).
     pub axes: usize,
     /// Which of the planes x = 0 and y = 0 mirror the face; along r the axis does.
     pub mirrored: [bool; 2],
+    /// In the order of the mesh.
     pub facets: Vec<Facet>,
     /// Lowest and highest position of each facet.
     boxes: Vec<[[f64; 2]; 2]>,
 }
 
 impl FacetMesh {
+    /// Facets of a press.
     pub fn of(pressed: &Pressed, facets: Vec<Facet>) -> Self {
         match pressed.setup.kinematics {
             Kinematics::ThreeDimensional => Self::new(2, pressed.setup.phantom.symmetry, facets),
@@ -33,6 +38,7 @@ impl FacetMesh {
         }
     }
 
+    /// Facets of so many coordinates, mirrored by the planes x = 0 and y = 0 or not.
     pub fn new(axes: usize, mirrored: [bool; 2], facets: Vec<Facet>) -> Self {
         let bound = |facet: &Facet| {
             let fold = |start: f64, pick: fn(f64, f64) -> f64| {
@@ -65,6 +71,15 @@ impl FacetMesh {
             let xi = if near { local(self.axes, &self.facets[k].places, at) } else { None }?;
             Some((k, xi))
         })
+    }
+
+    /// What lies between the nodes at a place of the meshed part, linear over half facets; nothing off the face.
+    pub fn between_nodes(&self, at: [f64; 2]) -> Option<f64> {
+        let (k, xi) = self.locate(at)?;
+        let hats = |c: f64| [(-c).max(0.0), 1.0 - c.abs().min(1.0), c.max(0.0)];
+        let [first, second] = xi.map(hats);
+        let weight = |a: usize| first[a % 3] * if self.axes == 1 { 1.0 } else { second[a / 3] };
+        Some(self.facets[k].values.iter().enumerate().map(|(a, value)| value * weight(a)).sum())
     }
 }
 
