@@ -151,8 +151,8 @@ pub(super) fn pressure_error(fine: &Face, coarse: &Face, [local, edge]: [f64; 2]
 }
 
 /// Estimated error of the peak of the finer of two pressures, as a share of it: that of the pressure where either has
-/// its peak, split as that of the whole. It is no less than that of the whole: at one place two meshes may agree by
-/// chance, their difference being zero somewhere.
+/// its peak, split as that of the whole. Under a sensor it is no less than that of the whole: at one place two meshes may
+/// agree by chance, their difference being zero somewhere. Under an indenter the whole has the end of the contact.
 pub(super) fn peak_error(fine: &Face, coarse: &Face, [local, edge]: [f64; 2]) -> f64 {
     let (Some((here, peak)), Some((there, _))) = (fine.peak(), coarse.peak()) else {
         return 0.0;
@@ -164,8 +164,8 @@ pub(super) fn peak_error(fine: &Face, coarse: &Face, [local, edge]: [f64; 2]) ->
         let smooth = from_edge.as_ref().map_or(difference, |share| pressure * share(fine.place(at)));
         Some((edge * smooth).hypot(local * (difference - smooth)) / peak)
     };
-    let whole = pressure_error(fine, coarse, [local, edge]);
-    if peak > 0.0 { [here, there].into_iter().filter_map(error).fold(whole, f64::max) } else { 0.0 }
+    let least = if fine.has_edge() { pressure_error(fine, coarse, [local, edge]) } else { 0.0 };
+    if peak > 0.0 { [here, there].into_iter().filter_map(error).fold(least, f64::max) } else { 0.0 }
 }
 
 /// What the edge sends inwards, as a share of the pressure at a place: a + b r^2. Nothing where too few points tell.

@@ -87,6 +87,11 @@ impl Face {
         self.outline.place(at)
     }
 
+    /// Whether it ends at a sensor's edge, which is singular where it is sharp, and so is judged in part.
+    pub fn has_edge(&self) -> bool {
+        self.outline.has_edge
+    }
+
     /// Nodes of the part over which pressures are judged.
     pub fn judged(&self) -> impl Iterator<Item = &ContactPoint> {
         self.points.iter().filter(|point| self.outline.is_judged(point.reference_mm))
