@@ -151,8 +151,8 @@ pub(super) fn pressure_error(fine: &Face, coarse: &Face, [local, edge]: [f64; 2]
 }
 
 /// Estimated error of the peak of the finer of two pressures, as a share of it: that of the pressure where either has
-/// its peak, split as that of the whole. Under a sensor it is no less than that of the whole: at one place two meshes may
-/// agree by chance, their difference being zero somewhere. Under an indenter the whole has the end of the contact.
+/// its peak, split as that of the whole. Under a sensor it is no less than that of the whole: at one place two meshes
+/// may agree by chance, their difference being zero somewhere. Under an indenter the whole has the end of the contact.
 pub(super) fn peak_error(fine: &Face, coarse: &Face, [local, edge]: [f64; 2]) -> f64 {
     let (Some((here, peak)), Some((there, _))) = (fine.peak(), coarse.peak()) else {
         return 0.0;
