@@ -81,11 +81,13 @@ impl Case {
         if let Footprint::Rectangle { .. } = footprint {
             setup.phantom.shape = PhantomShape::Block { size_mm, height_mm };
         }
-        // A soft layer's rim is sharp here: one radius for all.
-        setup.sensor = match setup.sensor {
-            SensorBody::Layers { layers, .. } => SensorBody::Layers { layers, edge_radius_mm: 0.5 },
-            SensorBody::Rigid { .. } | SensorBody::Indenter(_) => SensorBody::Rigid { edge_radius_mm: 0.0 },
+        let (sensor, named) = match setup.sensor {
+            SensorBody::Layers { layers, .. } => (SensorBody::Layers { layers, edge_radius_mm: 0.5 }, "soft, rim 0.5"),
+            SensorBody::Rigid { .. } | SensorBody::Indenter(_) => {
+                (SensorBody::Rigid { edge_radius_mm: 0.0 }, "rigid, sharp")
+            }
         };
+        setup.sensor = sensor;
         let fineness = draw.one_of([0.5, 0.65]);
         setup.phantom.footprint = footprint;
         setup.phantom.resolution = Resolution::SOLID.finer(fineness);
@@ -103,7 +105,7 @@ impl Case {
             (false, true) => format!("off the axis by {offset:.1} mm"),
             (false, false) => "centred".into(),
         };
-        let words = format!("{what}, {place}, {} at {fineness}", base.words);
+        let words = format!("{what}, {place}, {named}, {:.2?}, fineness {fineness}", setup.load);
         Ok(Self { setup, words, punch: None })
     }
 
