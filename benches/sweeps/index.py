@@ -5,8 +5,8 @@
         [--program target/release/tirtouch]
 
 Sweeps the index of the touched layer of `phantom-size-8mm` in 384 x 288 pixels from 1.40 to 1.44, 1 % a pixel, then
-starts `run` and `render` for single points of it in turn. Prints points a minute, the share of the time at which tracer
-and press are at work, and how many times as long the commands take for a point. Needs scipy.
+starts `run` and `render` for single points of it in turn. Prints points a minute, the share of the time at which the
+tracer is at work, and how many times as long the commands take for a point. Needs scipy.
 """
 
 import argparse
@@ -56,10 +56,12 @@ def main():
         command = [asked.program, "sweep", "run", folder / "sweep.toml", "-o", folder / "out", "--json", "--quiet"]
         said = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
         with open(folder / "out/times.csv", newline="") as file:
-            inside = sum(float(row["press_s"]) + float(row["light_s"]) for row in csv.DictReader(file))
+            traced = sum(float(row["light_s"]) for row in csv.DictReader(file))
         rate = said["points_per_minute"]
-        print(f"sweep: {said['done']} of {said['points']} points, {rate:.1f} a minute; tracer and press at work for "
-              f"{100 * inside / said['seconds']:.1f} % of the time, some of it side by side", flush=True)
+        # One thread traces: its seconds do not overlap. Presses are beside it, so at most the rest is outside both.
+        print(f"sweep: {said['done']} of {said['points']} points, {rate:.1f} a minute; the tracer is at work for "
+              f"{100 * traced / said['seconds']:.1f} % of the time, at most the rest is outside tracer and press",
+              flush=True)
         times = {"run": [], "render": []}
         for number in range(asked.rounds):
             index = 1.40 + 0.04 * (number + 0.5) / asked.rounds
