@@ -30,6 +30,9 @@ fn half_radius_px(image: &GreyImage) -> Option<f64> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let seeds: u32 = std::env::args().nth(1).map_or(Ok(8), |seeds| seeds.parse())?;
+    if seeds < 2 {
+        return Err("at least 2 seeds: one alone has no spread".into());
+    }
     let mut session = Session::open(BackendChoice::Auto, Precision::F32)?;
     let mut errors = Vec::new();
     let mut true_mm = 0.0;

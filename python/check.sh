@@ -81,7 +81,7 @@ for python in "${pythons[@]}"; do
         "$venv/bin/python" -m pytest -q -p no:cacheprovider python/tests/test_scene.py python/tests/test_render.py
         continue
     fi
-    "${pip[@]}" "${wheels[0]}[tables,progress]" numpy pytest mypy 'pdoc>=16,<17'
+    "${pip[@]}" "${wheels[0]}[tables,progress]" numpy pytest mypy datasets pillow 'pdoc>=16,<17'
     # The renderer to compare with has not been built for every Python; what needs it is skipped where it is missing.
     "${pip[@]}" --only-binary :all: mitsuba || say "no Mitsuba for Python $version: its scenes are not looked at"
     "$venv/bin/python" -m pytest -q -p no:cacheprovider python/tests

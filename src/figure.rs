@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 /// A figure of type `T`, or the reason why there is none.
 ///
@@ -70,6 +71,27 @@ pub fn three_digits(value: f64) -> String {
     }
 }
 
+/// How many significant digits numbers are written with: three, or as many as tell some values apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Digits(usize);
+
+impl Digits {
+    /// As many as tell these apart.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let values: Vec<f64> = values.into_iter().collect();
+        let count = |texts: &mut dyn Iterator<Item = String>| texts.collect::<BTreeSet<_>>().len();
+        let all = count(&mut values.iter().map(ToString::to_string));
+        let tell = |digits: &usize| count(&mut values.iter().map(|value| Self(*digits).written(*value))) == all;
+        Self((3..17).find(tell).unwrap_or(17))
+    }
+
+    /// A number with so many.
+    pub fn written(self, value: f64) -> String {
+        let rounded = format!("{value:.*e}", self.0 - 1).parse().unwrap_or(value);
+        if self.0 == 3 { three_digits(value) } else { f64::to_string(&rounded) }
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -82,6 +104,17 @@ mod tests {
         assert_eq!(none, r#"{"undefined":"no contact"}"#);
         assert_eq!(Figure::known(f64::NAN).reason(), Some("the arithmetic overflows"));
         assert_eq!(Figure::of(Some([1, 2]), "none"), Figure::Known([1, 2]));
+    }
+
+    #[test]
+    fn digits_tell_values_apart_and_are_no_more_than_that() {
+        let grid = || (0..7).map(|k| 1.4 + 0.005 * f64::from(k));
+        let digits = Digits::of(grid());
+        let texts: Vec<String> = grid().map(|value| digits.written(value)).collect();
+        assert_eq!(texts, ["1.4", "1.405", "1.41", "1.415", "1.42", "1.425", "1.43"]);
+        assert_eq!(Digits::of([120.0, 5.0, 5.0]).written(0.123_45), "0.123");
+        assert_ne!(Digits::of([1.0, 1.0 + f64::EPSILON]).written(1.0 + f64::EPSILON), "1");
+        assert_eq!(Digits::of([]), Digits(3));
     }
 
     #[test]

@@ -17,7 +17,8 @@ from pathlib import Path
 
 import numpy as np
 import OpenEXR
-from coverage import ROOT, SAME, SEEDS, SMALL_DISC, SMALL_PHANTOM, changed, swept
+from cases import ROOT, changed
+from coverage import SAME, SEEDS, SMALL_DISC, SMALL_PHANTOM, swept
 
 # Scene, changes to it, whether it has an inclusion.
 CASES = {

@@ -16,13 +16,12 @@ import argparse
 import csv
 import statistics
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
+from cases import PROGRAM, changed
 from scipy.stats import beta
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 # Pixels of eight times the pitch gather 64 times the light: exposures are as much shorter, so that nothing saturates.
 SMALL_DISC = {
     "pixels = [384, 288]": "pixels = [48, 36]",
@@ -74,15 +73,6 @@ def swept(folder, scene, measures, vary, design, program, more=""):
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     with open(folder / "out/points.csv", newline="") as file:
         return list(csv.DictReader(file))
-
-
-def changed(name, changes):
-    text = (ROOT / f"scenes/{name}.toml").read_text()
-    for old, new in changes.items():
-        if old not in text:
-            sys.exit(f"{name}: has no '{old}'")
-        text = text.replace(old, new)
-    return text
 
 
 def sweep(case, seeds, work, program):
@@ -147,7 +137,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--cases", nargs="+", choices=[*CASES, "press"], default=[*CASES, "press"])
-    parser.add_argument("--program", type=Path, default=ROOT / "target/release/tirtouch")
+    parser.add_argument("--program", type=Path, default=PROGRAM)
     wanted = parser.parse_args()
     with tempfile.TemporaryDirectory() as work:
         for case in wanted.cases:

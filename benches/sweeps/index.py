@@ -6,7 +6,7 @@
 
 Sweeps the index of the touched layer of `phantom-size-8mm` in 384 x 288 pixels from 1.40 to 1.44, 1 % a pixel, then
 starts `run` and `render` for single points of it in turn. Prints points a minute, the share of the time at which the
-tracer is at work, and how many times as long the commands take for a point. Needs scipy.
+tracer is at work, and how many times as long the commands take for a point.
 """
 
 import argparse
@@ -18,28 +18,14 @@ import tempfile
 import time
 from pathlib import Path
 
-from coverage import ROOT, changed
-
-KEY = "stack.layer[0].n"
-# The paper's field of view in more pixels.
-CAMERA = {"pixels = [348, 261]": "pixels = [384, 288]", "pixel_pitch_um = 18.6": "pixel_pitch_um = 16.86"}
-SWEEP = f"""[sweep]
-scene = "scene.toml"
-design = {{ kind = "grid" }}
-target_error = 0.01
-[[vary]]
-key = "{KEY}"
-linear = {{ from = 1.40, to = 1.44, points = POINTS }}
-[[measure]]
-kind = "contrast"
-"""
+from cases import INDEX, PROGRAM, index
 
 
-def alone(program, words, index, folder):
+def alone(program, words, value, folder):
     """Seconds of a command for one point."""
     start = time.monotonic()
-    words = [program, *words, folder / "scene.toml", "--set", f"{KEY}={index}", "--target-error", "0.01", "--quiet"]
-    subprocess.run([*map(str, words), "-o", str(folder / f"{words[1]}-{index}")], check=True, stdout=subprocess.DEVNULL)
+    words = [program, *words, folder / "scene.toml", "--set", f"{INDEX}={value}", "--target-error", "0.01", "--quiet"]
+    subprocess.run([*map(str, words), "-o", str(folder / f"{words[1]}-{value}")], check=True, stdout=subprocess.DEVNULL)
     return time.monotonic() - start
 
 
@@ -47,12 +33,11 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--points", type=int, default=200)
     parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--program", type=Path, default=ROOT / "target/release/tirtouch")
+    parser.add_argument("--program", type=Path, default=PROGRAM)
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        (folder / "scene.toml").write_text(changed("phantom-size-8mm", CAMERA))
-        (folder / "sweep.toml").write_text(SWEEP.replace("POINTS", str(asked.points)))
+        index(asked.points).write(folder)
         command = [asked.program, "sweep", "run", folder / "sweep.toml", "-o", folder / "out", "--json", "--quiet"]
         said = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
         with open(folder / "out/times.csv", newline="") as file:
@@ -64,9 +49,9 @@ def main():
               flush=True)
         times = {"run": [], "render": []}
         for number in range(asked.rounds):
-            index = 1.40 + 0.04 * (number + 0.5) / asked.rounds
+            value = 1.40 + 0.04 * (number + 0.5) / asked.rounds
             for name, seconds in times.items():
-                seconds.append(alone(asked.program, [name], f"{index:.4f}", folder))
+                seconds.append(alone(asked.program, [name], f"{value:.4f}", folder))
         for name, seconds in times.items():
             middle = statistics.median(seconds)
             print(f"{name}: {', '.join(f'{s:.1f}' for s in seconds)} s a point; {middle * rate / 60:.1f} times as long")

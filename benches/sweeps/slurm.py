@@ -2,12 +2,13 @@
 """Does a sweep through Slurm end like one on this machine, though workers are killed?
 
     cargo build --release && benches/sweeps/slurm.sh FOLDER 2 && SLURM_CONF=FOLDER/slurm.conf \\
-        python3 benches/sweeps/slurm.py [--rounds 10] [--seed 1]
+        python3 benches/sweeps/slurm.py [--rounds 10] [--seed 1] [--case disc]
 
-Runs the sweep of kills.py on this machine, then in each round as a job array of four tasks. At random times one task's
+Runs a sweep of cases.py on this machine, then in each round as a job array of four tasks. At random times one task's
 program is killed (`kill -9`), another's job is sent back to the queue (`scontrol requeue`, as where it is preempted),
-and the array is sent anew until all points are there. The table of `sweep collect` is to be that of this machine, byte
-by byte, and no record that was there after a kill is to be written again.
+and the array is sent anew until all points are there. Table, labels and images after `sweep collect` are to be those of this
+machine, byte by byte, and no record that was there after a kill is to be written again. `index` is the sweep of 200
+points of index.py.
 """
 
 import argparse
@@ -21,7 +22,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from kills import PROGRAM, command, items, whole
+from cases import CASES, PROGRAM, ends
+from kills import items
 
 
 def said(*words, cwd=None):
@@ -50,15 +52,17 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--rounds", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--case", choices=list(CASES), default="disc")
     arguments = parser.parse_args()
+    case = CASES[arguments.case]
     draw = random.Random(arguments.seed)
     work = Path(tempfile.mkdtemp(prefix="tirtouch-slurm-"))
-    table, seconds = whole(work)
+    expected, seconds = case.whole(work)
     equal = killed = requeued = sent = twice = 0
     for number in range(arguments.rounds):
         folder = work / f"sent-{number}"
         subprocess.run(
-            command(folder.name, "--engine", "slurm", "--tasks", "4", "--submit"), cwd=work, check=True,
+            case.command(folder.name, "--engine", "slurm", "--tasks", "4", "--submit"), cwd=work, check=True,
             stdout=subprocess.DEVNULL,
         )
         sent += 1
@@ -79,16 +83,16 @@ def main():
                 kept = now
             if not said("squeue", "-h", "-r"):
                 status = json.loads(said(PROGRAM, "sweep", "status", folder, "--json"))
-                if status["done"] == 24:
+                if status["done"] == case.points:
                     break
                 said("sbatch", "job.sh", cwd=folder)
                 sent += 1
         now = items(folder)
         twice += sum(now.get(name) != mark for name, mark in kept.items())
         subprocess.run([PROGRAM, "sweep", "collect", folder], check=True, stdout=subprocess.DEVNULL)
-        equal += (folder / "points.csv").read_bytes() == table
+        equal += ends(folder) == expected
     print(f"{arguments.rounds} sweeps by Slurm, {sent} arrays sent, {killed} programs killed, {requeued} jobs requeued")
-    print(f"{equal} final tables equal that of one machine byte by byte; {twice} records written twice")
+    print(f"{equal} folders end as that of one machine, byte by byte; {twice} records written twice")
     sys.exit(equal != arguments.rounds or twice > 0)
 
 

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use tirtouch::output::RESULT;
 use tirtouch::scene;
-use tirtouch::sweep::{self, Options, Shard, Status, by_hand};
+use tirtouch::sweep::{self, Options, Shard, by_hand};
 
 /// The copy of the scene in the folder of a sweep: what the sweep of a scene that is there already names.
 const SCENE: &str = "scene.toml";
@@ -206,11 +206,10 @@ impl Sweep {
         let told = with_session(py, session, progress, |session, observe| {
             let start = Instant::now();
             let records = sweep.enter(&folder, force, resume)?;
-            let before = Status::of(sweep, &records).ended();
             let of_sweep = |error| Trouble::of_sweep(error, &folder);
-            sweep::run(sweep, &records, session, options, observe).map_err(of_sweep)?;
+            let computed = sweep::run(sweep, &records, session, options, observe).map_err(of_sweep)?;
             let status = tirtouch::pages::sweep::write(sweep, &records, COMMAND)?;
-            let told = status.run_json(sweep, start.elapsed().as_secs_f64(), before);
+            let told = status.run_json(sweep, start.elapsed().as_secs_f64(), computed);
             let mut result = tirtouch::output::described(told.clone(), Some(&folder));
             result["command"] = serde_json::json!([COMMAND]);
             records.write(RESULT, &format!("{result:#}\n"))?;

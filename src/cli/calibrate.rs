@@ -7,6 +7,7 @@ use super::sweep::How;
 use super::{Failure, Outcome, cancel, note};
 use crate::calibrate::{CalibrationFile, FrameModel, Protocol};
 use crate::pages::bound;
+use crate::scene::is_scene;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -44,7 +45,7 @@ impl Calibrate {
         if self.bound {
             return self.bounds();
         }
-        if calibrate_sensor::is_scene(&self.calibration) {
+        if is_scene(&self.calibration) {
             return calibrate_sensor::run(&self.calibration, self.how.as_common());
         }
         let parts = CalibrationFile::load(&self.calibration)?.calibrate;

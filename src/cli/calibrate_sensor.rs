@@ -10,16 +10,6 @@ use crate::scene::{Invalid, open};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Whether a file is a scene, not what a calibration is learnt from.
-pub(super) fn is_scene(file: &Path) -> bool {
-    let is_preset = file.to_str().is_some_and(|name| name.starts_with("preset:"));
-    let has_stack = || {
-        let text = std::fs::read_to_string(file).ok()?;
-        Some(text.parse::<toml::Table>().ok()?.contains_key("stack"))
-    };
-    is_preset || has_stack().unwrap_or(false)
-}
-
 /// Presses the phantom without its inclusions to eight depths, the deepest that of the scene, and fits force to light.
 pub(super) fn run(file: &Path, common: Common) -> Result<Outcome, Failure> {
     let refused = |Invalid { key, message, .. }: Invalid| {

@@ -3,8 +3,8 @@
 use super::flags::positive;
 use super::measure::Reading;
 use super::{Failure, Outcome, Talk, note};
-use crate::calibrate::{FORCE_ERROR, FrameModel, Frames, Inferred, Presses, check_depths, check_forces};
-use crate::estimate::{Calibration, Estimates, GreyImage, Threshold};
+use crate::calibrate::{FORCE_ERROR, FrameModel, Frames, Inferred, Presses, check_depths, check_forces, ready};
+use crate::estimate::{Calibration, Estimates, GreyImage};
 use crate::pages::images::{Measured, json, relative_stiffness, text};
 use crate::pipeline::{FrameFiles, view_of};
 use crate::scene::{LoadedScene, open};
@@ -44,16 +44,19 @@ pub(super) struct Estimate {
 impl Estimate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let model = self.reading.frame_model()?;
-        let exposure = self.exposure.as_deref().map(open).transpose()?.map(|(loaded, _)| loaded);
+        let exposure = self.exposure.as_deref().map(open).transpose()?;
         let calibration = match (self.reading.calibration()?, &exposure) {
-            (None, Some(loaded)) => Some(Calibration {
-                mm_per_pixel: view_of(&loaded.scene)?.mm_per_pixel(),
+            (None, Some((loaded, file))) => Some(Calibration {
+                mm_per_pixel: view_of(&loaded.scene)
+                    .map_err(|error| Failure::of_scene(error.into(), file))?
+                    .mm_per_pixel(),
                 bottom_area_mm2: None,
                 force_n_from_sum_grey: None,
             }),
             (given, _) => given,
         };
-        let files = FrameFiles { scene: exposure.as_ref().map(|loaded| &loaded.scene), bits: self.full_scale_bits };
+        let files =
+            FrameFiles { scene: exposure.as_ref().map(|(loaded, _)| &loaded.scene), bits: self.full_scale_bits };
         let reference = self.reading.reference.as_deref();
         let reference = reference.map(|file| Ok::<_, Failure>((file, self.read(&files, file)?))).transpose()?;
         let mut measured = Vec::new();
@@ -62,8 +65,10 @@ impl Estimate {
             let threshold = self.threshold_grey(file, &image)?;
             measured.push(Measured::of((file, image), reference.as_ref(), threshold, calibration.as_ref())?);
         }
-        let (inclusion, inferred) = match &model {
-            Some(model) => self.inclusion(model, exposure.as_ref(), &measured)?,
+        // Where presses are told, by the calibration that comes with the program at least.
+        let model = model.as_ref().or_else(|| (!self.depths_mm.is_empty()).then(ready).flatten());
+        let (inclusion, inferred) = match model {
+            Some(model) => self.inclusion(model, exposure.as_ref().map(|(loaded, _)| loaded), &measured)?,
             None => (Estimates::without_model(), Err("no calibrated model".to_owned())),
         };
         let relative = relative_stiffness(&measured, reference.is_some(), calibration.as_ref());
@@ -96,18 +101,8 @@ impl Estimate {
 
     /// The threshold in grey levels of an image.
     fn threshold_grey(&self, file: &Path, image: &GreyImage) -> Result<f64, Failure> {
-        let wrong = match (self.reading.threshold, image.top_grey()) {
-            (Threshold::Levels(levels), Some(top)) if levels >= top => {
-                format!("`--threshold {levels}` is not below its top grey level of {top}: no pixel could be lit")
-            }
-            (Threshold::Levels(levels), _) => return Ok(levels),
-            (share, Some(top)) => return Ok(share.of(top)),
-            (share, None) => format!(
-                "has no full scale that `--threshold {share}` could be a share of; give the threshold as a number, or \
-                 `--exposure SCENE`"
-            ),
-        };
-        Err(Failure::usage(format!("{}: {wrong}", file.display())).in_file(file))
+        let wrong = |why| Failure::usage(format!("{}: `--threshold`: {why}", file.display())).in_file(file);
+        self.reading.threshold.levels(image.top_grey()).map_err(wrong)
     }
 
     fn read(&self, files: &FrameFiles, file: &Path) -> Result<GreyImage, Failure> {

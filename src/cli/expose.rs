@@ -36,38 +36,39 @@ pub(super) struct Expose {
 impl Expose {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let loaded = self.scene()?;
+        let sha256 = loaded.sha256.clone();
+        let loaded = changed(loaded, self.exposure_ms, self.bit_depth)
+            .map_err(|broken| Failure::usage(broken.to_string()).at_key(broken.key))?;
         let folder = self.place.take(&format!("{}-exposed", loaded.scene.name))?;
         let image = match self.folder.is_dir() {
             true => self.folder.join("radiance.exr"),
             false => self.folder.clone(),
         };
         let (film, provenance) = read_radiance(&image)?;
-        let other = provenance.as_ref().is_some_and(|origin| origin.scene_sha256 != loaded.sha256);
+        let other = provenance.as_ref().is_some_and(|origin| origin.scene_sha256 != sha256);
         if other && !self.talk.quiet {
             note(&format!("{}: was rendered of another scene file; the camera is that of this one", image.display()));
         }
         let exposure = Exposure::of(loaded, &film, provenance.as_ref(), self.seed)
             .map_err(|error| Failure::input(format!("{}: {error}", image.display())).in_file(&image))?;
         note_exposure(&exposure.suited, exposure.loaded.scene.camera.sensor.exposure_ms, self.talk.quiet);
-        exposure.frame.write_png(&folder.path("camera.png"))?;
+        folder.write_image("camera.png", |path| exposure.frame.write_png(path))?;
         folder.write("camera_false_color.svg", &exposure.picture()?)?;
         let done = command::commit(folder, Some(&exposure.loaded.text), exposure.json())?;
         self.talk.tell(&done.json, exposure.text(&done.out))
     }
 
-    /// The scene with the flags in place of what it says of exposure and bits.
+    /// The scene whose camera exposes.
     fn scene(&self) -> Result<LoadedScene, Failure> {
         let beside = self.folder.join("scene.toml");
-        let loaded = match &self.scene {
-            Some(scene) => open(scene)?.0,
-            None if beside.is_file() => load_alone(&beside)?,
+        match &self.scene {
+            Some(scene) => Ok(open(scene)?.0),
+            None if beside.is_file() => Ok(load_alone(&beside)?),
             None => {
                 let message =
                     format!("{}: holds no scene.toml; `--scene SCENE` names the one it is of", self.folder.display());
-                return Err(Failure::usage(message).in_file(&self.folder));
+                Err(Failure::usage(message).in_file(&self.folder))
             }
-        };
-        changed(loaded, self.exposure_ms, self.bit_depth)
-            .map_err(|broken| Failure::usage(broken.to_string()).at_key(broken.key))
+        }
     }
 }

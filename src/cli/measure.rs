@@ -2,6 +2,7 @@
 
 use super::Failure;
 use crate::calibrate::FrameModel;
+use crate::camera::top_grey;
 use crate::estimate::{Calibration, Threshold};
 use crate::pipeline::{self, ReadAs, Reference, Shot};
 use crate::scene::Camera;
@@ -52,8 +53,10 @@ impl Reading {
 }
 
 impl SceneReading {
-    /// The reference image, where one is given, for a camera of as many pixels and bits.
+    /// The reference image, where one is given, for a camera of as many pixels and bits, which the threshold suits.
     pub fn reference(&self, camera: &Camera) -> Result<Option<Reference>, Failure> {
+        let wrong = |why| Failure::usage(format!("`--threshold`: {why}"));
+        self.image.threshold.levels(Some(top_grey(camera.sensor.bit_depth).into())).map_err(wrong)?;
         Ok(self.image.reference.as_deref().map(|path| Reference::of_file(path, camera)).transpose()?)
     }
 

@@ -42,11 +42,12 @@ pub(super) fn whole_job(
 ) -> Result<PathBuf, Failure> {
     let calibration = reading.image.calibration()?;
     let model = reading.image.frame_model()?;
+    let given = reading.reference(&job.loaded.scene.camera)?;
     let prepared = job.prepare()?;
     let scene = prepared.scene();
     let reference = match reading.subtract_baseline {
         true => Some(baseline(&mut job, &prepared, &folder)?),
-        false => reading.reference(&scene.camera)?,
+        false => given,
     };
     let (earlier, mut frames) = earlier_loads(&job, &prepared, &folder)?;
     let shot = job.shoot(&prepared)?;
@@ -81,7 +82,7 @@ pub(super) fn whole_job(
 fn baseline(job: &mut Job, prepared: &Prepared, folder: &OutputFolder) -> Result<Reference, Failure> {
     let baseline = job.baseline(prepared)?;
     let shot = job.shoot(&baseline)?;
-    shot.frame.write_png(&folder.path("baseline.png"))?;
+    folder.write_image("baseline.png", |path| shot.frame.write_png(path))?;
     Ok(shot.as_reference()?)
 }
 
@@ -101,7 +102,7 @@ fn earlier_loads(
         let prepared = job.at_load(prepared, k)?;
         let shot = job.shoot(&prepared)?;
         let file = EarlierFrame::file_of(pressed, k, step);
-        shot.frame.write_png(&folder.path(&file))?;
+        folder.write_image(&file, |path| shot.frame.write_png(path))?;
         frames.push((step.depth_mm, GreyImage::from_frame(&shot.frame)?));
         earlier.push(EarlierFrame::of(&shot, step, file));
     }

@@ -79,9 +79,9 @@ pub(super) struct How {
     /// What computes them: this machine, or a job array of Slurm.
     #[arg(long, value_enum, default_value_t)]
     engine: Engine,
-    /// Tasks of the job array.
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    tasks: u32,
+    /// Tasks of the job array [default: 16].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    tasks: Option<u32>,
     /// Send the job array, too.
     #[arg(long)]
     submit: bool,
@@ -154,8 +154,8 @@ impl RunSweep {
             return self.how.run(&Sweep::load(&self.sweep)?, None);
         }
         if self.how.place.out.is_some() || self.how.place.force {
-            let message = format!("{}: the folder of a sweep takes neither --out nor --force", self.sweep.display());
-            return Err(Failure::usage(message).in_file(&self.sweep));
+            let why = "the folder of a sweep takes neither --out nor --force";
+            return Err(Failure::usage(format!("{}: {why}", self.sweep.display())).in_file(&self.sweep));
         }
         self.how.run(&Sweep::of_folder(&self.sweep)?.0, Some(&self.sweep))
     }
@@ -167,29 +167,40 @@ impl How {
         let start = Instant::now();
         let place = there.map_or_else(|| self.place.named(&sweep.name), Path::to_path_buf);
         let resume = self.resume || there.is_some();
+        self.check()?;
         if self.engine == Engine::Slurm {
             let (records, tasks, said) = self.job(sweep, &place, resume)?;
             let mut result = Status::of(sweep, &records).json(sweep);
             (result["tasks"], result["sent"]) = (json!(tasks), json!(self.submit));
             return self.talk.tell(described(result, Some(&place)), said);
         }
-        let (records, before) = self.compute(sweep, &place, resume)?;
+        let (records, computed) = self.compute(sweep, &place, resume)?;
         let status = write(sweep, &records, &command_line())?;
-        let result = described(status.run_json(sweep, start.elapsed().as_secs_f64(), before), Some(&place));
+        let result = described(status.run_json(sweep, start.elapsed().as_secs_f64(), computed), Some(&place));
         records.write(RESULT, &format!("{result:#}\n"))?;
+        status.nothing(sweep, &records).map_err(|why| Failure::input(format!("{}: {why}", place.display())))?;
         self.talk.tell(&result, text(sweep, &status, &place.display().to_string()))
     }
 
-    /// Computes what a folder of a sweep lacks; gives its records, and how many points had ended before.
+    /// Flags that are of one engine alone.
+    fn check(&self) -> Result<(), Failure> {
+        let wrong = match self.engine {
+            Engine::Slurm if self.shard.is_some() => "each task of a job array has its own `--shard`",
+            Engine::Local if self.submit || self.tasks.is_some() => "`--submit` and `--tasks` want `--engine slurm`",
+            _ => return Ok(()),
+        };
+        Err(Failure::usage(wrong))
+    }
+
+    /// Computes what a folder of a sweep lacks; gives its records, and how many points this run computed.
     fn compute(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<(Records, usize), Failure> {
         let devices = self.backend.open(self.talk.quiet)?;
         let records = self.records(sweep, place, resume)?;
-        let before = Status::of(sweep, &records).ended();
         let workers = self.workers.map_or(Options::default().workers, |workers| workers as usize);
         let options = Options { workers, shard: self.shard, retry: self.retry };
         let session = Session::from(devices);
-        watched(self.talk.quiet, |observe| run(sweep, &records, &session, options, observe))?;
-        Ok((records, before))
+        let computed = watched(self.talk.quiet, |observe| run(sweep, &records, &session, options, observe))?;
+        Ok((records, computed))
     }
 
     /// Does with the sweeps of a larger work, in folders of `out`, what is asked for.
@@ -203,6 +214,7 @@ impl How {
 
     /// Computes a part of a larger work, here or by a job array.
     fn part(&self, sweep: &Sweep, place: &Path) -> Result<Status, Failure> {
+        sweep.check_radiance().map_err(|broken| Failure::input(broken.to_string()).at_key(broken.key))?;
         let records = match self.engine {
             Engine::Local => self.compute(sweep, place, place.is_dir())?.0,
             Engine::Slurm => {
@@ -238,11 +250,10 @@ impl How {
     /// Makes the folder with a job for Slurm, and sends it where that is asked for; with what is said of it.
     fn job(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<(Records, u32, String), Failure> {
         let records = self.records(sweep, place, resume)?;
-        let job = slurm::Job::write(sweep, &records, place, self.tasks, (&program()?, &self.of_tasks()))?;
-        let said = match self.submit {
-            true => job.submit()?,
-            false => format!("{} tasks; `sbatch job.sh` in it sends them", job.tasks),
-        };
+        let tasks = self.tasks.unwrap_or(16);
+        let job = slurm::Job::write(sweep, &records, place, tasks, (&program()?, &self.of_tasks()))?;
+        let by_hand = || format!("{} tasks; `sbatch job.sh` in it sends them", job.tasks);
+        let said = if self.submit { job.submit()? } else { by_hand() };
         Ok((records, job.tasks, format!("{}: {said}", place.display())))
     }
 }
@@ -251,10 +262,8 @@ impl OfFolder {
     /// Says how far it is, after the tables and the report are written where they are asked for.
     fn tell(&self, writes: bool) -> Result<Outcome, Failure> {
         let (sweep, records) = Sweep::of_folder(&self.folder)?;
-        let status = match writes {
-            true => write(&sweep, &records, &command_line())?,
-            false => Status::of(&sweep, &records),
-        };
+        let whole = || Ok(Status::of(&sweep, &records));
+        let status = if writes { write(&sweep, &records, &command_line()) } else { whole() }?;
         let words = text(&sweep, &status, &self.folder.display().to_string());
         self.talk.tell(described(status.json(&sweep), Some(&self.folder)), words)
     }

@@ -25,6 +25,24 @@ impl Threshold {
             Self::Percent(percent) => 0.01 * percent * top_grey,
         }
     }
+
+    /// The same of an image whose top level may not be known.
+    ///
+    /// # Errors
+    /// No pixel could be lit; a share of what is not known.
+    pub fn levels(self, top_grey: Option<f64>) -> Result<f64, String> {
+        match (self, top_grey) {
+            (_, Some(top)) if self.of(top) >= top => {
+                Err(format!("a threshold of {self} is not below the top grey level of {top}: no pixel could be lit"))
+            }
+            (_, Some(top)) => Ok(self.of(top)),
+            (Self::Levels(levels), None) => Ok(levels),
+            (Self::Percent(_), None) => Err(format!(
+                "has no full scale that a threshold of {self} could be a share of; give a number, or expose it by the \
+                 camera of a scene"
+            )),
+        }
+    }
 }
 
 impl std::fmt::Display for Threshold {

@@ -51,6 +51,14 @@ impl OutputError {
         Self::Refused { place: place.into(), why: why.into(), remedy }
     }
 
+    /// Of an image that was to come to a place by way of another.
+    pub(super) fn of_image(error: ImageError, place: &Path) -> Self {
+        match error {
+            ImageError::Write { source, .. } => Self::failed(place, format!("cannot be written: {source}")),
+            error => Self::Image(error),
+        }
+    }
+
     pub(super) fn failed(place: &Path, why: impl Into<String>) -> Self {
         Self::Failed { place: place.into(), why: why.into() }
     }

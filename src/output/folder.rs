@@ -3,6 +3,7 @@
 use super::contents::{self, RESULT, SCENE, check_own, described};
 use super::leftovers::leftovers;
 use super::{Claim, OutputError, Remedy};
+use crate::image_io::ImageError;
 use serde_json::Value;
 use std::fs::File;
 use std::io::Write;
@@ -71,6 +72,18 @@ impl OutputFolder {
         };
         write()
             .map_err(|error| OutputError::failed(&self.destination.join(name), format!("cannot be written: {error}")))
+    }
+
+    /// Has `write` write an image into it.
+    ///
+    /// # Errors
+    /// As of `write`, with the place that the image would have had.
+    pub fn write_image(
+        &self,
+        name: &str,
+        write: impl FnOnce(&Path) -> Result<(), ImageError>,
+    ) -> Result<(), OutputError> {
+        write(&self.path(name)).map_err(|error| OutputError::of_image(error, &self.destination.join(name)))
     }
 
     /// Adds the scene's text, if there is one, and the result, puts the folder in its place and says where that is.

@@ -30,6 +30,8 @@ const TABLES: [&str; 10] = [
     "README.md",
     "job.sh",
 ];
+/// The file whose lock says who writes the tables.
+const TURN: &str = "tables.json";
 /// An image that is being written.
 const PARTIAL: &str = "partial";
 /// What stands before the SHA-256 of a record, and before the record.
@@ -82,7 +84,7 @@ impl Records {
                     return refused(&why, Remedy::Elsewhere);
                 }
             }
-            (true, Some(_)) if force => {
+            (true, old) if force && (old.is_some() || records.is_damaged()) => {
                 if let Some(strange) = strange(folder) {
                     let why = format!("holds {}, which tirtouch did not write; it is not replaced", strange.display());
                     return refused(&why, Remedy::Elsewhere);
@@ -91,6 +93,7 @@ impl Records {
                     .map_err(|error| OutputError::failed(folder, format!("cannot be replaced: {error}")))?;
             }
             (true, Some(_)) => return refused("exists", Remedy::GoOn),
+            (true, None) if records.is_damaged() => return Err(damaged(folder)),
             // A run that was killed before it came to its order.
             (true, None) if is_bare(folder) => {}
             (true, None) => return refused("exists and holds no records", Remedy::Elsewhere),
@@ -121,7 +124,7 @@ impl Records {
             }
         }
         let shared = Self { folder: folder.into(), hold: Hold::Shared(Worker::new(folder)?) };
-        let old: Value = shared.read_json(ORDER).unwrap_or_default();
+        let old: Value = shared.read_json(ORDER).ok_or_else(|| damaged(folder))?;
         if old != *order {
             let why = format!("holds the records of another order: {}", difference(&old, order));
             return Err(OutputError::refused(folder, why, Remedy::Elsewhere));
@@ -138,6 +141,7 @@ impl Records {
         let records = Self { folder: folder.into(), hold: Hold::Read };
         match records.read_json(ORDER) {
             Some(order) => Ok((records, order)),
+            None if records.is_damaged() => Err(damaged(folder)),
             None => Err(OutputError::refused(folder, "holds no records", Remedy::Mend)),
         }
     }
@@ -149,7 +153,7 @@ impl Records {
 
     /// Other workers that are in it.
     pub fn workers(&self) -> usize {
-        worker::alive(&self.folder) - usize::from(matches!(self.hold, Hold::Shared(_)))
+        worker::alive(&self.folder).saturating_sub(usize::from(matches!(self.hold, Hold::Shared(_))))
     }
 
     /// Claims an item for this worker; alone, all are its own.
@@ -185,6 +189,11 @@ impl Records {
     /// When it cannot be written.
     pub fn keep_item<T: Serialize>(&self, name: &str, value: &T) -> Result<(), OutputError> {
         self.keep(&format!("{name}.json"), value)
+    }
+
+    /// Whether the order is there but cannot be read.
+    fn is_damaged(&self) -> bool {
+        self.place(ORDER).is_file() && self.read_json::<Value>(ORDER).is_none()
     }
 
     fn place(&self, name: &str) -> PathBuf {
@@ -233,7 +242,7 @@ impl Records {
         let provenance =
             Provenance { unit: RADIANCE_UNIT.into(), replicates: film.replicates, ..Provenance::default() };
         let _whole = leftovers();
-        write_radiance(&partial, &film, &provenance).map_err(OutputError::from)?;
+        write_radiance(&partial, &film, &provenance).map_err(|error| OutputError::of_image(error, &path))?;
         std::fs::rename(&partial, &path).map_err(|error| unwritable(&path, &error))?;
         Ok(film)
     }
@@ -273,8 +282,26 @@ impl Records {
         }
         let _whole = leftovers();
         let made = whole_file().tempfile_in(&self.folder).map_err(|error| unwritable(&path, &error))?;
-        write(made.path())?;
+        write(made.path()).map_err(|error| OutputError::of_image(error, &path))?;
+        // It may have put another file in this one's place.
+        std::fs::File::open(made.path()).and_then(|file| file.sync_all()).map_err(|error| unwritable(&path, &error))?;
         made.persist(&path).map(|_| ()).map_err(|error| unwritable(&path, &error.error))
+    }
+
+    /// Whether a file of the folder is there.
+    pub fn has(&self, name: &str) -> bool {
+        self.folder.join(name).is_file()
+    }
+
+    /// Does what reads the records and writes files of them, while no other worker does the same: what is read last is
+    /// written last. Where a file system has no locks, all do it at once.
+    ///
+    /// # Errors
+    /// Those of the work.
+    pub fn in_turn<T>(&self, work: impl FnOnce() -> T) -> T {
+        let turn = std::fs::File::options().create(true).append(true).open(self.place(TURN)).ok();
+        let _held = turn.as_ref().map(std::fs::File::lock);
+        work()
     }
 
     fn write_at(&self, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
@@ -293,6 +320,11 @@ fn unsealed<T: DeserializeOwned>(name: &str, bytes: &[u8]) -> Option<T> {
     let text = std::str::from_utf8(bytes).ok()?.strip_prefix('{')?.strip_prefix(SEAL)?.strip_suffix("}\n")?;
     let (seal, text) = text.split_once(RECORD)?;
     (seal == sha256(format!("{name}\n{text}").as_bytes())).then(|| serde_json::from_str(text).ok())?
+}
+
+fn damaged(folder: &Path) -> OutputError {
+    let why = format!("{ITEMS}/{ORDER} in it is damaged, so that nothing tells what its records are of");
+    OutputError::refused(folder, why, Remedy::Replace)
 }
 
 /// Whether a folder holds nothing but an empty folder of items, and what a killed run was writing.
@@ -449,12 +481,42 @@ mod tests {
         let second = Records::open(&folder, &json!(2), false, true);
         assert!(is_refused(&second) && second.err().unwrap().to_string().contains("another run"));
         drop(records);
+        // Of records whose order is damaged nobody knows what they are of.
+        std::fs::write(folder.join(ITEMS).join(ORDER), "{").unwrap();
+        for found in [Records::open(&folder, &json!(2), false, true), Records::join(&folder, &json!(2), false, true)] {
+            assert!(is_refused(&found) && found.err().unwrap().to_string().contains("is damaged"));
+        }
+        assert!(Records::read(&folder).err().unwrap().to_string().contains("is damaged"));
+        Records::open(&folder, &json!(2), true, false).unwrap();
         std::fs::create_dir(place.path().join("mine")).unwrap();
         assert!(is_refused(&Records::open(&place.path().join("mine"), &json!(1), true, false)));
         // What a run leaves that was killed before its order was there.
         std::fs::create_dir(place.path().join("mine/items")).unwrap();
         std::fs::write(place.path().join("mine/.tmpx"), "").unwrap();
         Records::open(&place.path().join("mine"), &json!(1), false, false).unwrap();
+    }
+
+    #[test]
+    fn tables_are_written_one_after_the_other() {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("shared");
+        let (inside, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| {
+                    let records = Records::join(&folder, &json!(1), false, true).unwrap();
+                    for _ in 0..5 {
+                        records.in_turn(|| {
+                            most.fetch_max(1 + inside.fetch_add(1, Ordering::SeqCst), Ordering::SeqCst);
+                            std::thread::yield_now();
+                            inside.fetch_sub(1, Ordering::SeqCst);
+                        });
+                    }
+                });
+            }
+        });
+        assert_eq!(most.load(Ordering::SeqCst), 1);
     }
 
     #[test]

@@ -74,7 +74,9 @@ impl Worker {
             }
         };
         std::thread::Builder::new().name("worker's touch".into()).spawn(touch).map_err(failed)?;
-        Ok(Self { folder: folder.into(), name, file, _held: held, _alive: alive })
+        let worker = Self { folder: folder.into(), name, file, _held: held, _alive: alive };
+        worker.bury();
+        Ok(worker)
     }
 
     /// Claims an item.
@@ -90,7 +92,7 @@ impl Worker {
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(failed(error)),
             }
-            match std::fs::read_to_string(&path) {
+            match owner_of(&path) {
                 Ok(owner) if owner == self.name => return Ok(Claimed::Ours),
                 Ok(owner) if self.is_alive(&owner, &path) => return Ok(Claimed::Taken),
                 Ok(_) => match std::fs::remove_file(&path) {
@@ -104,9 +106,22 @@ impl Worker {
         }
     }
 
-    /// Lets go of an item.
+    /// Lets go of an item, if it is this worker's.
     pub fn let_go(&self, item: &str) {
-        let _ = std::fs::remove_file(self.folder.join(CLAIMS).join(item));
+        let path = self.folder.join(CLAIMS).join(item);
+        if owner_of(&path).is_ok_and(|owner| owner == self.name) {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+
+    /// Removes the files of workers that are long dead. One that is just coming has not locked its own yet.
+    fn bury(&self) {
+        for entry in std::fs::read_dir(self.folder.join(WORKERS)).into_iter().flatten().flatten() {
+            let file = entry.path();
+            if is_locked(&file) == Some(false) && !self.is_recent(&file) {
+                let _ = std::fs::remove_file(file);
+            }
+        }
     }
 
     /// Whether the worker of a claim is alive. A claim that does not name one yet is as old as its file.
@@ -136,6 +151,11 @@ impl Drop for Worker {
     fn drop(&mut self) {
         let _ = std::fs::remove_file(&self.file);
     }
+}
+
+/// Whom a claim names. What is no name of a worker names a dead one.
+fn owner_of(claim: &Path) -> std::io::Result<String> {
+    std::fs::read(claim).map(|name| String::from_utf8_lossy(&name).into_owned())
 }
 
 /// Whether a worker's file is locked; none where there are no locks to tell by.
@@ -185,6 +205,32 @@ mod tests {
         drop(other);
         assert_eq!(alive(place.path()), 1);
         assert_eq!(one.claim("7").unwrap(), Claimed::Ours);
+    }
+
+    #[test]
+    fn nobody_lets_go_of_what_another_has() {
+        let place = tempfile::tempdir().unwrap();
+        let [one, other] = [(); 2].map(|()| Worker::new(place.path()).unwrap());
+        assert_eq!(one.claim("7").unwrap(), Claimed::Ours);
+        other.let_go("7");
+        assert_eq!(other.claim("7").unwrap(), Claimed::Taken);
+    }
+
+    #[test]
+    fn files_of_dead_workers_are_removed_and_claims_that_name_nobody_fall() {
+        let place = tempfile::tempdir().unwrap();
+        let first = Worker::new(place.path()).unwrap();
+        let [dead, coming] = ["host-1-0", "host-2-0"].map(|name| place.path().join(WORKERS).join(name));
+        for file in [&dead, &coming] {
+            std::fs::write(file, "").unwrap();
+        }
+        let old = std::time::SystemTime::now() - 2 * DEAD;
+        File::options().write(true).open(&dead).unwrap().set_modified(old).unwrap();
+        std::fs::write(place.path().join(CLAIMS).join("7"), [0xff, 0xfe]).unwrap();
+        let second = Worker::new(place.path()).unwrap();
+        assert!(!dead.exists() && coming.exists());
+        assert_eq!(second.claim("7").unwrap(), Claimed::Ours);
+        assert_eq!(first.claim("7").unwrap(), Claimed::Taken);
     }
 
     #[test]

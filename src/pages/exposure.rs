@@ -7,7 +7,8 @@ use crate::film::Film;
 use crate::image_io::Provenance;
 use crate::pipeline::{CameraSummary, view_of};
 use crate::report::{ColorScale, PictureError, Raster, false_color};
-use crate::scene::{Invalid, LoadedScene, validate};
+use crate::scene::{Invalid, LoadedScene, sha256, validate};
+use crate::vary::KeyPath;
 use serde_json::{Value, json};
 
 /// A frame and what it was made of.
@@ -24,7 +25,7 @@ pub struct Exposure {
     pub seed: u32,
 }
 
-/// A scene with another exposure time, ms, or other bits of a grey value, where they are given.
+/// A scene with another exposure time, ms, or other bits of a grey value, where they are given; in its text too.
 ///
 /// # Errors
 /// Numbers that no camera has.
@@ -37,6 +38,18 @@ pub fn changed(
     sensor.exposure_ms = exposure_ms.unwrap_or(sensor.exposure_ms);
     sensor.bit_depth = bit_depth.unwrap_or(sensor.bit_depth);
     validate(&loaded.scene)?;
+    let keys = [
+        ("camera.sensor.exposure_ms", exposure_ms.map(toml::Value::from)),
+        ("camera.sensor.bit_depth", bit_depth.map(toml::Value::from)),
+    ];
+    for (key, value) in keys {
+        if let Some(value) = value {
+            let path = key.parse::<KeyPath>();
+            let text = path.and_then(|path| path.set_in(&loaded.text, &value));
+            loaded.text = text.map_err(|why| Invalid::new(key, why))?;
+        }
+    }
+    loaded.sha256 = sha256(loaded.text.as_bytes());
     Ok(loaded)
 }
 

@@ -27,8 +27,8 @@ impl Shot<'_> {
     /// Writes radiance, camera image and pictures; `command` goes into the header of the radiance.
     pub(crate) fn write_pictured(&self, folder: &OutputFolder, command: &str) -> Result<Pictures, PageError> {
         let start = Instant::now();
-        self.write_radiance(&folder.path("radiance.exr"), command)?;
-        self.frame.write_png(&folder.path("camera.png"))?;
+        folder.write_image("radiance.exr", |path| self.write_radiance(path, command))?;
+        folder.write_image("camera.png", |path| self.frame.write_png(path))?;
         let mut pictures = self.pictures()?;
         folder.write("radiance.svg", &pictures.radiance)?;
         folder.write("relief.svg", &pictures.relief)?;

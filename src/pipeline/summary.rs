@@ -3,7 +3,7 @@
 use super::{Reading, Shot, Truth};
 use crate::camera::{Frame, Suited};
 use crate::estimate::{Estimates, PaperEstimate};
-use crate::figure::{Figure, three_digits};
+use crate::figure::{Digits, Figure};
 use crate::film::Ledger;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::newton::LinearSolver;
@@ -254,7 +254,10 @@ impl EarlierFrame {
     pub fn file_of(pressed: &Pressed, load: usize, step: &PressStep) -> String {
         match pressed.setup.load {
             Load::Path(_) => format!("camera_{}.png", load + 1),
-            _ => format!("camera_{}mm.png", three_digits(step.depth_mm)),
+            _ => {
+                let digits = Digits::of(pressed.steps.iter().map(|step| step.depth_mm));
+                format!("camera_{}mm.png", digits.written(step.depth_mm))
+            }
         }
     }
 }

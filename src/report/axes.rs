@@ -67,8 +67,8 @@ impl Axes {
         }
     }
 
-    /// Lines, ticks, and names below and to the left.
-    pub fn scales(&self, svg: &mut Svg, x_name: AxisName, y_name: AxisName) {
+    /// Lines, and ticks and a name below.
+    pub fn scale_across(&self, svg: &mut Svg, name: AxisName) {
         let [left, top, width, height] = self.area;
         let bottom = top + height;
         let line = r#"class="tt-line" stroke-width="1.2""#;
@@ -80,7 +80,13 @@ impl Axes {
             svg.text([x, bottom + 19.0], Anchor::Middle, "tt-ink", label);
         }
         let middle = [left + 0.5 * width, bottom + 40.0];
-        svg.text(middle, Anchor::Middle, "tt-muted", &x_name.label(across.exponent));
+        svg.text(middle, Anchor::Middle, "tt-muted", &name.label(across.exponent));
+    }
+
+    /// Lines, ticks, and names below and to the left.
+    pub fn scales(&self, svg: &mut Svg, x_name: AxisName, y_name: AxisName) {
+        self.scale_across(svg, x_name);
+        let [left, top, _, height] = self.area;
         let upward = self.scale(1);
         let mut widest = 0.0f64;
         for (value, label) in &upward.marks {

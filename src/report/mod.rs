@@ -4,10 +4,12 @@
 //! PNG. The report is one HTML file with the pictures inside.
 
 mod axes;
+pub mod bars;
 pub mod curves;
 pub mod explore;
 pub mod false_color;
 pub mod frame_pictures;
+pub mod heat_map;
 pub mod html;
 pub mod log_plot;
 mod marks;
@@ -20,10 +22,12 @@ mod ticks;
 pub mod vtu;
 
 pub use axes::AxisName;
+pub use bars::{Bar, BarPlot, bar_plot};
 pub use curves::{Curve, CurvePlot, CurveStyle, curve_plot};
 pub(crate) use false_color::color as color_of;
 pub use false_color::{ColorScale, false_color, false_color_with};
 pub use frame_pictures::{FramePicture, frame_picture, frames_image};
+pub use heat_map::{HeatMap, heat_map};
 pub use html::{Item, Report, Section, Table};
 pub use log_plot::{LogPlot, LogPoint, LogSeries, LogStyle, log_plot};
 pub use marks::Marks;

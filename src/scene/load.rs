@@ -97,7 +97,11 @@ pub fn load_scan(path: &Path) -> Result<LoadedScan, SceneError> {
 /// The text of a file of this program's.
 pub(crate) fn read_text(path: &Path) -> Result<String, SceneError> {
     let bytes = read_limited(path, MAX_BYTES).map_err(|error| {
-        SceneError::of_file(error.kind, path, format!("{}; a scene is a TOML file of some kilobytes", error.message))
+        SceneError::of_file(
+            error.kind,
+            path,
+            format!("{}; scenes, sweeps and studies are TOML files of some kilobytes", error.message),
+        )
     })?;
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();

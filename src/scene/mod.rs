@@ -41,7 +41,7 @@ pub use load::{Loaded, LoadedScan, LoadedScene, load, load_alone, load_scan, par
 pub(crate) use load::{at_its_place, parse_file, read_text};
 pub use mesh_file::{TriangleMesh, read_mesh};
 pub use phantom::*;
-pub use presets::{PRESETS, SCAN_PRESETS, open, open_scan, preset, scan_preset};
+pub use presets::{PRESETS, SCAN_PRESETS, is_scene, open, open_scan, preset, scan_preset};
 pub use press::*;
 pub use scan::*;
 pub use schema::{scan_schema, schema};

@@ -1,7 +1,7 @@
 //! The scenes that come with the program.
 
 use super::error::SceneError;
-use super::load::{Loaded, LoadedScan, LoadedScene, load, load_scan, parse, parse_scan};
+use super::load::{Loaded, LoadedScan, LoadedScene, load, load_scan, parse, parse_scan, read_text};
 use std::path::{Path, PathBuf};
 
 /// Name and text of every preset.
@@ -66,6 +66,13 @@ pub fn open(source: &Path) -> Result<(LoadedScene, PathBuf), SceneError> {
 /// As [`load_scan`] and [`scan_preset`].
 pub fn open_scan(source: &Path) -> Result<(LoadedScan, PathBuf), SceneError> {
     open_as(source, SCAN_PRESETS, scan_preset, load_scan)
+}
+
+/// Whether a file, or the preset of `preset:NAME`, is a scene, and nothing else that is written in TOML.
+pub fn is_scene(source: &Path) -> bool {
+    let is_preset = source.to_str().is_some_and(|source| source.starts_with(PRESET));
+    let has_stack = || read_text(source).ok()?.parse::<toml::Table>().ok().map(|table| table.contains_key("stack"));
+    is_preset || has_stack().unwrap_or(false)
 }
 
 fn open_as<S>(

@@ -9,7 +9,7 @@ use crate::calibrate::CalibrateError;
 use crate::estimate::{Calibration, GreyImage, Settings, Stiffness, Value, estimate, stiffness};
 use crate::pipeline::Truth;
 use crate::statistics::Mean;
-use crate::sweep::{Format, Sweep};
+use crate::sweep::Sweep;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -143,7 +143,7 @@ pub fn readings(
     let unsuited = |why: String| StudyError::from(CalibrateError::Unsuited { folder: folder.to_path_buf(), why });
     let (sweep, records) = Sweep::of_folder(folder).map_err(CalibrateError::from)?;
     let needed = if paper.figure == PaperFigure::Stiffness { 2 } else { 1 };
-    if sweep.file.sweep.images.is_none_or(|images| images.format != Format::Exr) {
+    if !sweep.keeps_radiance() {
         return Err(unsuited("keeps no radiance: images = { format = \"exr\" }".to_owned()));
     }
     let kept: Vec<_> = sweep.kept(&records).collect();

@@ -1,7 +1,7 @@
 //! The file of a sweep: a scene, what varies, constraints, the design of points and what is measured.
 
 use super::{Images, Measure};
-use crate::output::{OutputError, Records};
+use crate::output::{Item, OutputError, Records};
 use crate::scene::{
     DataFileError, Input, Invalid, LoadedScene, SceneError, at_its_place, load, parse, parse_file, preset, read_text,
 };
@@ -88,6 +88,24 @@ pub enum Rejected {
     Point(String),
     /// No point of the sweep makes a scene: a key that there is not, a value of the wrong kind.
     Sweep(Invalid),
+}
+
+/// The item that keeps a sweep's [`Place`].
+const PLACE: &str = "place";
+
+/// What is kept of a sweep beside its order.
+#[derive(Debug, Serialize, Deserialize)]
+struct Place {
+    name: String,
+    scene_file: PathBuf,
+}
+
+impl Place {
+    /// What a folder says where none is kept.
+    fn of(folder: &Path) -> Self {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Self { name, scene_file: folder.join("scene.toml") }
+    }
 }
 
 /// Mistakes that all points of a sweep share.
@@ -214,7 +232,13 @@ impl Sweep {
     ) -> Result<Self, Invalid> {
         rules(&file)?;
         let plan = Plan::new(&file.vary, &file.require, &file.sweep.design, table.as_deref())?;
+        plan.check_places(&base.text)?;
         let sweep = Self { name, file, text, base, base_file, plan, table };
+        let taken = sweep.own_columns();
+        if let Some((k, name)) = sweep.plan.names().enumerate().find(|(_, name)| taken.iter().any(|own| own == name)) {
+            let what = format!("{name} is a column of the tables already");
+            return Err(Invalid::new(format!("vary[{k}].name"), what));
+        }
         if let Some(k) = sweep.file.measure.iter().position(Measure::needs_press)
             && sweep.base.scene.press.is_none()
         {
@@ -289,6 +313,7 @@ impl Sweep {
     /// As [`Records::join`]; a file that cannot be written.
     pub fn enter(&self, folder: &Path, force: bool, resume: bool) -> Result<Records, OutputError> {
         let records = Records::join(folder, &self.order(), force, resume)?;
+        records.keep_item(PLACE, &self.place())?;
         records.write("sweep.toml", &self.text)?;
         records.write("scene.toml", &self.base.text)?;
         Ok(records)
@@ -296,20 +321,23 @@ impl Sweep {
 
     /// All that its records depend on.
     pub fn order(&self) -> Value {
-        // A preset has no place.
-        let file = match self.file.sweep.scene.starts_with("preset:") {
-            true => self.base_file.clone(),
-            false => std::path::absolute(&self.base_file).unwrap_or_else(|_| self.base_file.clone()),
-        };
         json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "name": self.name,
             "sweep": self.text,
             "scene": self.base.text,
             "inputs": self.base.inputs(),
             "table": self.table,
-            "scene_file": file,
         })
+    }
+
+    /// What may change from run to run: its name, and where its scene lies.
+    fn place(&self) -> Place {
+        // A preset has no place.
+        let scene_file = match self.file.sweep.scene.starts_with("preset:") {
+            true => self.base_file.clone(),
+            false => std::path::absolute(&self.base_file).unwrap_or_else(|_| self.base_file.clone()),
+        };
+        Place { name: self.name.clone(), scene_file }
     }
 
     /// The sweep whose records a folder holds, and they. The files that its scene names are not there.
@@ -320,10 +348,13 @@ impl Sweep {
         let (records, order) = Records::read(folder)?;
         let strange = || SweepFolderError::Strange(folder.to_path_buf());
         let text = |key: &str| order.get(key).and_then(Value::as_str).map(str::to_owned);
-        let (Some(name), Some(sweep), Some(scene)) = (text("name"), text("sweep"), text("scene")) else {
+        let (Some(sweep), Some(scene)) = (text("sweep"), text("scene")) else {
             return Err(strange());
         };
-        let base_file = PathBuf::from(text("scene_file").unwrap_or_default());
+        let Place { name, scene_file: base_file } = match records.item(PLACE) {
+            Item::There(place) => place,
+            Item::Missing | Item::Damaged => Place::of(folder),
+        };
         let file = parse_file::<SweepFile>(&sweep, &folder.join("sweep.toml"), &schema(), rules)?.scene;
         let base = parse(&scene, &base_file)?;
         let sweep = Self::new(name, file, sweep, base, base_file, text("table"));

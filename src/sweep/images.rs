@@ -1,14 +1,35 @@
 //! Images of the points, kept as a data set: in `train/` and `test/`, with a table of their labels beside them.
 
-use super::{State, Sweep};
+use super::{Record, State, Sweep};
 use crate::camera::noise::PixelRandom;
 use crate::image_io::{write_npy, write_png_grey};
 use crate::mechanics::mesh::{InclusionShape, Star};
 use crate::output::{OutputError, Records};
 use crate::pipeline::{Shot, view_of};
+use crate::scene::Invalid;
 use crate::surface::pressed::pressure_at;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+/// Columns of a data set's labels beside what varies.
+pub(super) const LABELS: &[&str] = &[
+    "file_name",
+    "baseline_file_name",
+    "mask_file_name",
+    "pressure_npy",
+    "split",
+    "seed",
+    "true_size_mm",
+    "true_depth_mm",
+    "true_youngs_kpa",
+    "true_phantom_youngs_kpa",
+    "load",
+    "press_depth_mm",
+    "force_n",
+    "mm_per_pixel",
+    "light_stream",
+    "sensor_stream",
+];
 
 /// Which images of a point are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -115,6 +136,18 @@ impl Images {
         format!("{}_pressure.npy", image.split_once('.').map_or(image, |(stem, _)| stem))
     }
 
+    /// All files of a point that has images, from the sweep's folder.
+    pub(super) fn files<'a>(&'a self, record: &'a Record) -> impl Iterator<Item = String> + 'a {
+        let row = record.row;
+        let of_image =
+            |kept: &'a Kept| [Some(kept.file.clone()), self.pressures.then(|| Self::pressure_file(&kept.file))];
+        let baseline = self.baseline.then(|| self.baseline_file(row));
+        let beside = [baseline, self.masks.then(|| Self::mask_file(row))];
+        let beside = beside.into_iter().filter(|_| !record.images.is_empty());
+        let split = self.split(row);
+        record.images.iter().flat_map(of_image).chain(beside).flatten().map(move |file| format!("{split}/{file}"))
+    }
+
     /// Keeps an image, with its contact pressures where they are asked for.
     pub(super) fn keep(
         &self,
@@ -213,8 +246,27 @@ fn is_over(inclusion: &InclusionShape, [x, y]: [f64; 2]) -> bool {
 }
 
 impl Sweep {
+    /// Whether it keeps the radiance of its images.
+    pub fn keeps_radiance(&self) -> bool {
+        self.file.sweep.images.is_some_and(|images| images.format == Format::Exr)
+    }
+
+    /// Refuses a sweep that keeps no radiance.
+    ///
+    /// # Errors
+    /// That, with its key.
+    pub fn check_radiance(&self) -> Result<(), Invalid> {
+        match self.keeps_radiance() {
+            true => Ok(()),
+            false => {
+                let what = format!("of {} keeps no radiance, which is read here: format = \"exr\"", self.name);
+                Err(Invalid::new("sweep.images", what))
+            }
+        }
+    }
+
     /// Points whose images are kept, with them.
-    pub fn kept<'a>(&'a self, records: &'a Records) -> impl Iterator<Item = (usize, super::Record)> + 'a {
+    pub fn kept<'a>(&'a self, records: &'a Records) -> impl Iterator<Item = (usize, Record)> + 'a {
         (0..self.plan.count()).filter_map(|row| {
             let record = self.record(records, row).filter(|record| record.status == State::Done)?;
             (!record.images.is_empty()).then_some((row, record))

@@ -70,6 +70,7 @@ pub(super) fn work(
         let (Some(row), false) = (next, stop.load(Ordering::Relaxed)) else { return };
         let sent = claimed(task, row, retry, &mut session, &mut |_| !stop.load(Ordering::Relaxed));
         if sender.send(sent).is_err() {
+            // Nobody is there to finish it any more.
             task.records.let_go(&item(row));
             return;
         }
@@ -81,7 +82,7 @@ fn claimed(task: Task, row: usize, retry: bool, session: &mut Session, observe: 
     let Task { sweep, records, .. } = task;
     let name = item(row);
     let is_kept = |record: &Record| !(retry && record.status == State::Failed);
-    let is_there = || matches!(records.item::<Record>(&name), Item::There(record) if is_kept(&record));
+    let is_there = || matches!(sweep.item(records, row), Item::There(record) if is_kept(&record));
     if is_there() {
         return Sent::There;
     }
@@ -101,7 +102,7 @@ fn claimed(task: Task, row: usize, retry: bool, session: &mut Session, observe: 
             let what = ready(task, row, &point, session, observe);
             (point.values, what)
         }
-        Err(reason) => (Vec::new(), Err(Some((State::Rejected, reason)))),
+        Err(reason) => (sweep.plan.values(row), Err(Some((State::Rejected, reason)))),
     };
     // No reason: the caller stopped it.
     let what = match what {

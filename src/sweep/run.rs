@@ -59,7 +59,7 @@ pub enum SweepError {
     Stopped,
 }
 
-/// Computes the points that have no record yet.
+/// Computes the points that have no record yet; gives how many of them this run computed itself.
 ///
 /// # Errors
 /// A record that cannot be written, a device that fails; `Stopped` where `observe` says so. All points that were done
@@ -70,18 +70,18 @@ pub fn run(
     session: &Session,
     options: Options,
     observe: &mut Observer,
-) -> Result<(), SweepError> {
+) -> Result<usize, SweepError> {
     let (rows, shared) = ordered(sweep);
     let mut rows = match options.shard {
         Some(shard) => shard.of(&rows),
         None => rows,
     };
     let task = Task { sweep, records, shared: &shared, presses: &Presses::of(records) };
-    let mut tally = Tally { done: 0, of: rows.len() };
+    let mut tally = Tally { done: 0, computed: 0, of: rows.len() };
     loop {
         rows = pass(task, session, options, rows, &mut tally, observe)?;
         if rows.is_empty() {
-            return Ok(());
+            return Ok(tally.computed);
         }
         // Other workers have the rest: when they end, it is there, or free.
         std::thread::sleep(LOOK);
@@ -95,6 +95,8 @@ pub fn run(
 /// Points that ended, of those asked for.
 pub(super) struct Tally {
     pub done: usize,
+    /// Of these, by this run.
+    computed: usize,
     pub of: usize,
 }
 
@@ -172,6 +174,7 @@ fn pass(
                 Sent::Ready(ready) => {
                     finish(task.sweep, task.records, session, *ready, tally, observe)?;
                     tally.done += 1;
+                    tally.computed += 1;
                 }
                 Sent::There => tally.done += 1,
                 Sent::Taken(row) => left.push(row),

@@ -62,3 +62,75 @@ impl Sweep {
         columns.iter().zip(&figures).map(|(name, figures)| (*name, of(figures))).collect()
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::sweep::record::item;
+    use crate::sweep::{Record, Seconds, Told};
+    use std::f64::consts::PI;
+    use std::path::Path;
+
+    /// A sweep of three variables from -pi to pi whose points are all done, with a function of them as the figure.
+    fn done(folder: &Path, design: &str, function: impl Fn(&[f64]) -> f64) -> (Sweep, Records) {
+        let vary: String = (0..3)
+            .map(|k| format!("[[vary]]\nname = \"x{k}\"\nkey = \"stack.layer[{k}].n\"\nuniform = [-{PI}, {PI}]\n"))
+            .collect();
+        let text = format!(
+            "[sweep]\nscene = \"preset:contact-disc\"\ndesign = {design}\n{vary}[[measure]]\nkind = \"mean_radiance\"\n"
+        );
+        let sweep = Sweep::parse(&text, Path::new("sweep.toml")).unwrap();
+        let records = sweep.enter(folder, false, false).unwrap();
+        for row in 0..sweep.plan.count() {
+            let values = sweep.plan.values(row);
+            let x: Vec<f64> = values.iter().map(|value| value.number().unwrap()).collect();
+            let record = Record {
+                row,
+                status: State::Done,
+                reason: None,
+                values,
+                figures: vec![Told { value: Some(function(&x)), ..Told::default() }],
+                traced: None,
+                images: Vec::new(),
+                version: String::new(),
+                seconds: Seconds::default(),
+            };
+            records.keep_item(&item(row), &record).unwrap();
+        }
+        (sweep, records)
+    }
+
+    /// Ishigami and Homma's function with a = 7, b = 0.1, by way of records; its indices as in `vary::sensitivity`.
+    #[test]
+    fn indices_of_records_are_those_of_a_closed_form() {
+        let place = tempfile::tempdir().unwrap();
+        let design = "{ kind = \"saltelli\", points = 512, seed = 3 }";
+        let ishigami = |x: &[f64]| x[0].sin() + 7.0 * x[1].sin().powi(2) + 0.1 * x[2].powi(4) * x[0].sin();
+        let (sweep, records) = done(&place.path().join("out"), design, ishigami);
+        let found = sweep.sensitivity(&records);
+        let Ok(Sensitivity::Indices(indices)) = &found[0].1 else { panic!("{found:?}") };
+        for (found, [first, total]) in indices.iter().zip([[0.3139, 0.5576], [0.4424, 0.4424], [0.0, 0.2437]]) {
+            assert!((found.first.value - first).abs() < 0.06, "{found:?} {first}");
+            assert!((found.total.value - total).abs() < 0.06, "{found:?} {total}");
+        }
+        // One point less, and nothing is said.
+        std::fs::remove_file(place.path().join("out/items/0000007.json")).unwrap();
+        let found = sweep.sensitivity(&records);
+        assert!(found[0].1.as_ref().unwrap_err().contains("point 7 has no such figure"), "{found:?}");
+    }
+
+    #[test]
+    fn effects_of_records_are_the_slopes_of_a_linear_function() {
+        let place = tempfile::tempdir().unwrap();
+        let design = "{ kind = \"morris\", trajectories = 4, seed = 1 }";
+        let (sweep, records) = done(&place.path().join("out"), design, |x| 1.0 + 2.0 * x[0] - 3.0 * x[1]);
+        let found = sweep.sensitivity(&records);
+        let Ok(Sensitivity::Effects(effects)) = &found[0].1 else { panic!("{found:?}") };
+        for (one, slope) in effects.iter().zip([2.0, -3.0, 0.0]) {
+            // Over half of the range of 2 pi.
+            assert!((one.mean.value - slope * PI).abs() < 1e-9, "{one:?}");
+            assert!((one.mean_absolute.value - (slope * PI).abs()).abs() < 1e-9 && one.spread < 1e-9, "{one:?}");
+        }
+    }
+}

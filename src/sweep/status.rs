@@ -1,6 +1,6 @@
 //! How far a sweep is, by its records.
 
-use super::record::item;
+use super::record;
 use super::{Record, State, Sweep};
 use crate::output::{Item, Records};
 use serde::Serialize;
@@ -17,7 +17,7 @@ pub struct Status {
     pub rejected: usize,
     /// Points that could not be computed.
     pub failed: usize,
-    /// Records that cannot be read; they are computed again.
+    /// Records that cannot be read, or whose images are gone; they are computed again.
     pub damaged: usize,
     /// Other workers in the folder.
     pub workers: usize,
@@ -28,7 +28,7 @@ impl Status {
     pub fn of(sweep: &Sweep, records: &Records) -> Self {
         let mut status = Self { points: sweep.plan.count(), workers: records.workers(), ..Self::default() };
         for row in 0..sweep.plan.count() {
-            match records.item::<Record>(&item(row)) {
+            match sweep.item(records, row) {
                 Item::There(record) => match record.status {
                     State::Done => status.done += 1,
                     State::Rejected => status.rejected += 1,
@@ -48,12 +48,24 @@ impl Status {
         told
     }
 
-    /// The same of a run that took so many seconds, and found so many points ended.
-    pub fn run_json(&self, sweep: &Sweep, seconds: f64, before: usize) -> Value {
-        let (mut told, computed) = (self.json(sweep), self.ended().saturating_sub(before));
+    /// The same of a run that took so many seconds, and computed so many points itself.
+    pub fn run_json(&self, sweep: &Sweep, seconds: f64, computed: usize) -> Value {
+        let mut told = self.json(sweep);
         told["seconds"] = json!(seconds);
         told["points_per_minute"] = json!(60.0 * computed as f64 / seconds);
         told
+    }
+
+    /// Refuses a sweep whose points have all ended, and none is done.
+    ///
+    /// # Errors
+    /// That, with the reason of the first.
+    pub fn nothing(&self, sweep: &Sweep, records: &Records) -> Result<(), String> {
+        if self.done > 0 || self.points == 0 || self.ended() < self.points {
+            return Ok(());
+        }
+        let why = sweep.record(records, 0).and_then(|record| record.reason).unwrap_or_default();
+        Err(format!("none of {} points is done: point 0: {why}", self.points))
     }
 
     /// Points that have a record.
@@ -68,9 +80,29 @@ impl Sweep {
         self.file.measure.iter().flat_map(|measure| measure.columns().iter().copied())
     }
 
+    /// Names of the tables' columns but those of what varies.
+    pub(super) fn own_columns(&self) -> Vec<String> {
+        let figures = self.columns().flat_map(|name| ["", "_low", "_high"].map(|end| format!("{name}{end}")));
+        let fixed = ["row", "status", "relative_error", "note"];
+        let labels = if self.file.sweep.images.is_some() { super::images::LABELS } else { &[] };
+        figures.chain(fixed.iter().chain(labels).map(|name| (*name).to_owned())).collect()
+    }
+
+    /// What is kept of a point. A record whose images are gone is as good as a damaged one.
+    pub fn item(&self, records: &Records, row: usize) -> Item<Record> {
+        let is_whole = |record: &Record| match &self.file.sweep.images {
+            Some(images) => images.files(record).all(|name| records.has(&name)),
+            None => true,
+        };
+        match records.item(&record::item(row)) {
+            Item::There(record) if !is_whole(&record) => Item::Damaged,
+            found => found,
+        }
+    }
+
     /// A point's record, where it has one.
     pub fn record(&self, records: &Records, row: usize) -> Option<Record> {
-        match records.item(&item(row)) {
+        match self.item(records, row) {
             Item::There(record) => Some(record),
             Item::Missing | Item::Damaged => None,
         }

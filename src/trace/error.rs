@@ -12,7 +12,7 @@ pub enum TraceError {
     )]
     NoAdapter,
     /// The device went away.
-    #[error("the GPU device was lost ({0}); nothing was written")]
+    #[error("the GPU device was lost ({0})")]
     DeviceLost(String),
     /// A buffer exceeds what the device offers.
     #[error(
@@ -78,7 +78,7 @@ pub enum TraceError {
         sent: u64,
     },
     /// The user stopped it.
-    #[error("stopped; nothing was written")]
+    #[error("stopped")]
     Stopped,
     /// The method does not fit the scene.
     #[error("{0}")]

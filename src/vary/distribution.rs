@@ -72,6 +72,15 @@ impl Distribution {
 }
 
 impl Source {
+    /// The values that are listed; none of what is drawn or computed.
+    pub fn listed(&self) -> &[Scalar] {
+        match self {
+            Self::Fixed(value) => std::slice::from_ref(value),
+            Self::Listed(values) => values,
+            Self::Drawn(_) | Self::Derived(_) | Self::Column => &[],
+        }
+    }
+
     /// What an entry asks for.
     pub fn of(vary: &Vary) -> Result<Self, String> {
         let given = [

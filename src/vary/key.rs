@@ -94,6 +94,44 @@ impl KeyPath {
     }
 }
 
+impl KeyPath {
+    /// A scene's text with the key set.
+    ///
+    /// # Errors
+    /// As [`Self::set`]; a text that is no TOML.
+    pub fn set_in(&self, text: &str, value: &toml::Value) -> Result<String, String> {
+        let mut document = text.parse::<toml_edit::DocumentMut>().map_err(|error| error.to_string())?;
+        self.set(document.as_item_mut(), value)?;
+        Ok(document.to_string())
+    }
+
+    /// The places of a document that the path names, by number and not by name; none where it leads nowhere.
+    pub fn places(&self, document: &Item) -> Vec<String> {
+        let mut found = Vec::new();
+        find(Some(document), &self.steps, String::new(), &mut found);
+        found
+    }
+}
+
+fn find(item: Option<&Item>, steps: &[Step], at: String, found: &mut Vec<String>) {
+    let [step, rest @ ..] = steps else { return found.push(at) };
+    if let Step::Key(name) = step {
+        // What the document leaves to its default has a place too.
+        let dot = if at.is_empty() { "" } else { "." };
+        let inside = item.and_then(Item::as_table_like).and_then(|table| table.get(name));
+        return find(inside, rest, format!("{at}{dot}{name}"), found);
+    }
+    let elements: Vec<Item> = match item {
+        Some(Item::ArrayOfTables(tables)) => tables.iter().map(|table| Item::Table(table.clone())).collect(),
+        Some(Item::Value(Value::Array(list))) => list.iter().map(|value| Item::Value(value.clone())).collect(),
+        _ => return,
+    };
+    let name = |k: usize| elements.get(k)?.as_table_like()?.get("name")?.as_str().map(str::to_owned);
+    for k in places(step, elements.len(), name).unwrap_or_default() {
+        find(elements.get(k), rest, format!("{at}[{k}]"), found);
+    }
+}
+
 /// Whole numbers up to this are exact as f64 and as integers.
 const EXACT: f64 = 9_007_199_254_740_992.0;
 

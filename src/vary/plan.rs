@@ -91,6 +91,7 @@ impl Plan {
             Ok((expression, one.reason.clone()))
         };
         let require = require.iter().enumerate().map(read).collect::<Result<Vec<_>, Invalid>>()?;
+        all_change_something(&variables, &require)?;
         let lists: Vec<usize> = variables
             .iter()
             .filter(|one| one.source.is_free())
@@ -121,6 +122,37 @@ impl Plan {
         self.variables.iter().map(|one| one.name.as_str())
     }
 
+    /// Refuses two variables that set one place of a scene, however they spell it.
+    ///
+    /// # Errors
+    /// The second of them.
+    pub fn check_places(&self, base: &str) -> Result<(), Invalid> {
+        let document = base.parse::<toml_edit::DocumentMut>();
+        let document = document.map_err(|error| Invalid::new("sweep.scene", error.to_string()))?;
+        let mut taken: BTreeMap<String, &str> = BTreeMap::new();
+        for (k, one) in self.variables.iter().enumerate() {
+            for key in &one.keys {
+                for place in key.places(document.as_item()) {
+                    let within = |inner: &str, outer: &str| {
+                        inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+                    };
+                    let clash = |other: &&String| within(&place, other) || within(other, &place);
+                    if let Some(other) = taken.keys().find(clash) {
+                        let what = format!("{key} varies {place}, which {} varies too", taken[other]);
+                        return Err(Invalid::new(format!("vary[{k}].key"), what));
+                    }
+                    taken.insert(place, &one.name);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Keys of each variable.
+    pub fn keys(&self) -> impl Iterator<Item = &[KeyPath]> {
+        self.variables.iter().map(|one| one.keys.as_slice())
+    }
+
     /// Places of the variables that the design draws, in the order of its dimensions.
     pub fn free(&self) -> Vec<usize> {
         (0..self.variables.len()).filter(|&k| self.variables[k].source.is_free()).collect()
@@ -131,11 +163,32 @@ impl Plan {
         self.units.point(row)
     }
 
+    /// A value for each variable, also where these break a constraint; none where not all of them have one.
+    pub fn values(&self, row: usize) -> Vec<Scalar> {
+        self.solved(row).ok().and_then(|values| values.into_iter().collect()).unwrap_or_default()
+    }
+
     /// A point; a reason in place of the rest where it breaks a constraint, or a value cannot be computed.
     ///
     /// # Errors
     /// That reason.
     pub fn point(&self, row: usize) -> Result<Point, String> {
+        let values = self.solved(row)?;
+        let numbers = self.numbers(&values);
+        for (expression, reason) in &self.require {
+            let holds = expression.value(&numbers)?;
+            if holds == 0.0 {
+                return Err(reason.clone().unwrap_or_else(|| format!("{expression} does not hold")));
+            }
+        }
+        drop(numbers);
+        let whole: Option<Vec<Scalar>> = values.into_iter().collect();
+        let values = whole.ok_or("the design's table has an empty cell in this row")?;
+        Ok(Point { row, values })
+    }
+
+    /// What each variable is in a row, where the design says so.
+    fn solved(&self, row: usize) -> Result<Vec<Option<Scalar>>, String> {
         let mut units = self.unit(row).into_iter();
         let mut values: Vec<Option<Scalar>> = (self.variables.iter().enumerate())
             .map(|(k, one)| match &one.source {
@@ -152,17 +205,7 @@ impl Plan {
                 values[k] = Some(Scalar::Number(value));
             }
         }
-        let numbers = self.numbers(&values);
-        for (expression, reason) in &self.require {
-            let holds = expression.value(&numbers)?;
-            if holds == 0.0 {
-                return Err(reason.clone().unwrap_or_else(|| format!("{expression} does not hold")));
-            }
-        }
-        drop(numbers);
-        let whole: Option<Vec<Scalar>> = values.into_iter().collect();
-        let values = whole.ok_or("the design's table has an empty cell in this row")?;
-        Ok(Point { row, values })
+        Ok(values)
     }
 
     fn numbers<'v>(&'v self, values: &[Option<Scalar>]) -> BTreeMap<&'v str, f64> {
@@ -228,13 +271,33 @@ fn check_names(variables: &[Variable]) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// What an expression names are variables, of numbers.
 fn known_names(expression: &Expression, variables: &[Variable], key: &str) -> Result<(), Invalid> {
-    let unknown = expression.names().into_iter().find(|name| !variables.iter().any(|one| one.name == *name));
-    match unknown {
-        None => Ok(()),
-        Some(name) => {
+    for name in expression.names() {
+        let Some(one) = variables.iter().find(|one| one.name == name) else {
             let names: Vec<&str> = variables.iter().map(|one| one.name.as_str()).collect();
-            Err(Invalid::new(key, format!("{name} is no variable; there are {}", names.join(", "))))
+            return Err(Invalid::new(key, format!("{name} is no variable; there are {}", names.join(", "))));
+        };
+        if let Some(value) = one.source.listed().iter().find(|value| value.number().is_none()) {
+            return Err(Invalid::new(key, format!("{name} is not always a number: it may be {value}")));
+        }
+    }
+    Ok(())
+}
+
+/// A variable without a key is of use to expressions alone.
+fn all_change_something(variables: &[Variable], require: &[(Expression, Option<String>)]) -> Result<(), Invalid> {
+    let derived = variables.iter().filter_map(|one| match &one.source {
+        Source::Derived(expression) => Some(expression),
+        _ => None,
+    });
+    let expressions = derived.chain(require.iter().map(|(expression, _)| expression));
+    let used: BTreeSet<String> = expressions.flat_map(|one| one.names().into_iter().map(str::to_owned)).collect();
+    match variables.iter().enumerate().find(|(_, one)| one.keys.is_empty() && !used.contains(&one.name)) {
+        None => Ok(()),
+        Some((k, one)) => {
+            let what = format!("{} has no key, and no expression uses it: it changes nothing", one.name);
+            Err(Invalid::new(format!("vary[{k}]"), what))
         }
     }
 }
@@ -284,9 +347,15 @@ impl Columns {
         if names.iter().any(String::is_empty) {
             return Err("has a column without a name".into());
         }
+        if let Some((_, name)) = names.iter().enumerate().find(|(k, name)| names[..*k].contains(name)) {
+            return Err(format!("has two columns {name}"));
+        }
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(error)?;
+            if let Some(cell) = record.iter().find(|cell| cell.parse::<f64>().is_ok_and(|value| !value.is_finite())) {
+                return Err(format!("holds {cell} in row {}, which is no value of a key", rows.len()));
+            }
             rows.push(record.iter().map(|cell| (!cell.is_empty()).then(|| Scalar::of_cell(cell))).collect());
             if rows.len() as u64 > MOST_POINTS {
                 return Err(format!("has more than {MOST_POINTS} points"));
@@ -364,10 +433,43 @@ mod tests {
         let found = plan(&[bare.clone(), below.clone()], &[], file()).unwrap();
         assert_eq!((found.count(), found.point(0).unwrap().values), (2, numbers(&[1.4, 1.39]).unwrap()));
         assert!(found.point(1).unwrap_err().contains("empty cell"));
+        for (table, said) in [("n_top,n_top\n1,2\n", "two columns n_top"), ("n_top\n1\nnan\n", "nan in row 1")] {
+            let found = Plan::new(std::slice::from_ref(&bare), &[], &file(), Some(table)).unwrap_err();
+            assert!(found.message.contains(said), "{found}");
+        }
         // A column without an entry is a key.
         let found = plan(&[bare], &[], file()).unwrap();
         assert_eq!(found.names().collect::<Vec<_>>(), ["n_top", "n_below"]);
         assert!(plan(&[top(), below], &[], file()).unwrap_err().message.contains("column of the design's table too"));
+    }
+
+    #[test]
+    fn a_point_that_breaks_a_constraint_has_values() {
+        let plan = plan(&[below(), top(), step()], &["n_below > 1.395"], Design::Grid {}).unwrap();
+        assert!(plan.point(2).is_err());
+        assert_eq!(Some(plan.values(2)), numbers(&[1.41 - 0.02, 1.41, 0.02]));
+    }
+
+    #[test]
+    fn a_place_varies_once_however_it_is_spelt() {
+        let base = "[[led]]\nx = 1\n[[led]]\nx = 2\n[stack]\n[[stack.layer]]\nname = 'top'\nn = 1\n";
+        let check = |one: &str, other: &str| {
+            let one = vary("a", one, |v| v.uniform = Some([1.0, 2.0]));
+            let other = vary("b", other, |v| v.uniform = Some([1.0, 2.0]));
+            plan(&[one, other], &[], Design::Sobol { points: 8, seed: 0 }).unwrap().check_places(base)
+        };
+        for (one, other) in [
+            ("stack.layer[0].n", "stack.layer[\"top\"].n"),
+            ("led[0].x", "led[*].x"),
+            ("led[*].x", "led[1].x"),
+            ("stack", "stack.layer[0].n"),
+            ("camera.sensor.gain", "camera.sensor"),
+        ] {
+            let found = check(one, other).unwrap_err();
+            assert!(found.key == "vary[1].key" && found.message.contains("which a varies too"), "{found}");
+        }
+        check("led[0].x", "led[1].x").unwrap();
+        check("led[0].x", "led[0].x_mm").unwrap();
     }
 
     #[test]
@@ -378,6 +480,7 @@ mod tests {
             vary("b", "x.b", |v| v.expression = Some("a + 1".into())),
         ];
         let sobol = || Design::Sobol { points: 8, seed: 0 };
+        let named = vary("w", "x.walls", |v| v.choice = Some(vec![Scalar::Text("black".into()), Scalar::Number(1.0)]));
         for (found, key, said) in [
             (plan(&[drawn()], &[], Design::Grid {}), "vary[0]", "a grid needs an axis"),
             (plan(&[vary("d", "x.d", |_| {})], &[], sobol()), "vary[0]", "has no values"),
@@ -407,6 +510,12 @@ mod tests {
                 "neither a key nor a name",
             ),
             (plan(&[vary("d", "x..d", |_| {})], &[], sobol()), "vary[0].key", "no key can have"),
+            (
+                plan(&[drawn(), vary("e", "", |v| v.uniform = Some([0.0, 1.0]))], &[], sobol()),
+                "vary[1]",
+                "changes nothing",
+            ),
+            (plan(&[named], &["w == 1"], sobol()), "require[0].expression", "not always a number: it may be black"),
         ] {
             let found = found.unwrap_err();
             assert!(found.key == key && found.message.contains(said), "{found}");

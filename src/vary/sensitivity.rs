@@ -43,6 +43,7 @@ pub struct Indices {
 
 /// Why there are none.
 const CONSTANT: &str = "the figure is the same at all points";
+const ONE: &str = "one trajectory or base point alone says nothing of how far off it is: at least 2";
 
 /// The 95 % interval of a statistic of `count` items, by resampling them.
 fn interval(count: usize, seed: u32, statistic: impl Fn(&[usize]) -> f64) -> Interval {
@@ -57,7 +58,9 @@ fn interval(count: usize, seed: u32, statistic: impl Fn(&[usize]) -> f64) -> Int
         .collect();
     found.sort_by(f64::total_cmp);
     let at = |share: f64| found.get((share * f64::from(RESAMPLES)) as usize).copied().unwrap_or(value);
-    Interval { value, low: at(0.025), high: at(0.975) }
+    // No minus before a 0.
+    let [value, low, high] = [value, at(0.025), at(0.975)].map(|figure| figure + 0.0);
+    Interval { value, low, high }
 }
 
 fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
@@ -73,6 +76,9 @@ pub fn effects(variables: usize, units: &[Vec<f64>], figures: &[f64]) -> Result<
     let length = variables + 1;
     if figures.len() != units.len() || figures.is_empty() || !figures.len().is_multiple_of(length) {
         return Err(format!("{} figures are not those of a complete design of {}", figures.len(), units.len()));
+    }
+    if figures.len() < 2 * length {
+        return Err(ONE.into());
     }
     // Of each trajectory one effect a variable: the change of the figure as the variable goes up.
     let of_trajectory = |(units, figures): (&[Vec<f64>], &[f64])| {
@@ -111,6 +117,9 @@ pub fn indices(variables: usize, figures: &[f64]) -> Result<Vec<Indices>, String
     if figures.is_empty() || !figures.len().is_multiple_of(length) {
         return Err(format!("{} figures are not those of a complete design", figures.len()));
     }
+    if figures.len() < 2 * length {
+        return Err(ONE.into());
+    }
     let blocks: Vec<&[f64]> = figures.chunks(length).collect();
     let variance = |drawn: &[usize]| {
         let both = || drawn.iter().flat_map(|&k| [blocks[k][0], blocks[k][length - 1]]);
@@ -146,13 +155,13 @@ pub fn indices(variables: usize, figures: &[f64]) -> Result<Vec<Indices>, String
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::vary::{Design, Plan, Vary};
+    use crate::vary::{Design, Keys, Plan, Vary};
     use std::f64::consts::PI;
 
     fn points(design: &Design, variables: usize, range: [f64; 2]) -> Vec<Vec<f64>> {
-        let vary: Vec<_> = (0..variables)
-            .map(|k| Vary { name: Some(format!("x{k}")), uniform: Some(range), ..Vary::default() })
-            .collect();
+        let key = |k: usize| Some(Keys::One(format!("x.v{k}")));
+        let vary: Vec<_> =
+            (0..variables).map(|k| Vary { key: key(k), uniform: Some(range), ..Vary::default() }).collect();
         let plan = Plan::new(&vary, &[], design, None).unwrap();
         let point = |row| plan.point(row).unwrap().values.iter().map(|v| v.number().unwrap()).collect();
         (0..plan.count()).map(point).collect()
@@ -177,6 +186,12 @@ mod tests {
         let points = points(&Design::Saltelli { points: points_, seed }, 3, [-PI, PI]);
         let figures: Vec<f64> = points.iter().map(|x| constant + ishigami(x)).collect();
         indices(3, &figures).unwrap()
+    }
+
+    #[test]
+    fn one_trajectory_or_base_point_has_no_interval() {
+        assert_eq!(indices(1, &[1.0, 2.0, 3.0]).unwrap_err(), ONE);
+        assert_eq!(effects(1, &[vec![0.0], vec![0.5]], &[1.0, 2.0]).unwrap_err(), ONE);
     }
 
     #[test]

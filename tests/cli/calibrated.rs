@@ -33,6 +33,10 @@ fn a_phantom_is_estimated_and_its_frames_say_the_same_from_anywhere() {
     let output = of_images(&["--depths-mm", "1,2,4"]);
     assert_eq!(code(&output), 0, "{output:?}");
     assert_eq!(json(&output)["estimates"], *estimates);
+    // It is the calibration that comes with the program.
+    let images_alone = images.each_ref().map(String::as_str);
+    let words = [&["estimate", "--json", "--depths-mm", "1,2,4"][..], &images_alone].concat();
+    assert_eq!(json(&tirtouch_in(place.path(), &words))["estimates"], *estimates);
     // All unknowns of the calibration: the size is the same, the phantom's own modulus is told too.
     let inferred = &json(&output)["inferred"];
     let unknowns = inferred["unknowns"].as_array().unwrap();

@@ -320,6 +320,8 @@ fn expose_repeats_the_frame_of_a_rendered_folder_and_makes_others() {
     let seen = read_grey(&place.path().join("b/camera.png")).unwrap();
     let most = seen.values.iter().copied().fold(0.0, f64::max);
     assert!(most > 0.6 * 4095.0, "12 bits in a file of 16: {most}");
+    let kept = tirtouch::scene::load(&place.path().join("b/scene.toml")).unwrap().scene.camera.sensor;
+    assert_eq!((kept.exposure_ms, kept.bit_depth), (suggested, 12), "the scene is that of the frame");
     let faint =
         run(&["expose", "a", "--scene", "scene.toml", "-o", "c", "--exposure-ms", &(0.01 * suggested).to_string()]);
     assert!(one_line(&faint).contains("too dark") && one_line(&faint).contains("would suit"), "{faint:?}");

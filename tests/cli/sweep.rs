@@ -33,7 +33,9 @@ fn points(place: &Place, out: &str) -> String {
 }
 
 fn items(place: &Place, out: &str) -> Vec<PathBuf> {
-    let is_point = |path: &PathBuf| path.file_name().unwrap() != "order.json";
+    // What belongs to no point or press.
+    let others = ["order.json", "place.json", "tables.json"];
+    let is_point = |path: &PathBuf| !others.iter().any(|other| path.file_name().unwrap() == *other);
     let entries = std::fs::read_dir(place.path().join(out).join("items")).into_iter().flatten();
     let mut items: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).filter(is_point).collect();
     items.sort();
@@ -53,6 +55,9 @@ fn a_sweep_ends_bit_equal_whatever_stopped_it() {
     assert_eq!(rows.len(), 9, "{whole}");
     assert!(rows[0].starts_with("row,status,top,radius,below,mean_radiance_w_m2_sr,"), "{whole}");
     assert!(rows[1].starts_with("0,done,1.4,3,1.39,") && rows[8].contains("a top that is too dense"), "{whole}");
+    assert!(rows[8].starts_with("7,rejected,1.43,4,1.42,"), "what is rejected is known: {whole}");
+    let page = std::fs::read_to_string(place.path().join("whole/report.html")).unwrap();
+    assert!(page.contains("Rejected and failed") && page.contains("a top that is too dense"));
 
     // Killed at any moment, with `kill -9`: nothing that was done is lost.
     let mut killed = 0;
@@ -171,6 +176,12 @@ fn a_mistake_in_a_sweep_is_one_line_and_writes_nothing() {
         (vary("kind = \"mean_radiance\"", "kind = \"force\""), "force", "needs a scene with a [press]"),
         (vary("top < 1.425", "tip < 1.425"), "tip", "tip is no variable"),
         (vary("[sweep]", "[sweeep]"), "[sweeep]", "unknown key"),
+        (
+            SWEEP.replacen("touch.contact.pressure.radius_mm", "stack.layer[\\\"PDMS 1.41\\\"].n", 1),
+            "layer[\\\"PDMS",
+            "varies stack.layer[0].n, which top varies too",
+        ),
+        (vary("\"radius\"", "\"contrast_low\""), "contrast_low", "is a column of the tables already"),
     ] {
         let place = place();
         place.write("sweep.toml", &file);
@@ -194,6 +205,35 @@ fn a_mistake_in_a_sweep_is_one_line_and_writes_nothing() {
         let output = sweep(&place, flags);
         assert!(code(&output) == 2 && one_line(&output).contains(said), "{output:?}");
     }
+}
+
+#[test]
+fn a_sweep_none_of_whose_points_is_done_says_why() {
+    let place = place();
+    place.write("sweep.toml", &SWEEP.replace("top < 1.425", "top < 1"));
+    let output = run(&place, "out", &[]);
+    assert_eq!(code(&output), 2, "{output:?}");
+    let said = one_line(&output);
+    assert!(said.contains("none of 8 points is done: point 0: a top that is too dense"), "{said}");
+    assert_eq!(points(&place, "out").matches(",rejected,").count(), 8);
+}
+
+#[test]
+fn records_go_on_where_the_files_have_moved() {
+    let place = place();
+    place.write("sweep.toml", &SWEEP.replace("points = 4", "points = 1"));
+    assert_eq!(code(&run(&place, "out", &[])), 0);
+    let whole = points(&place, "out");
+    std::fs::create_dir(place.path().join("moved")).unwrap();
+    for (from, to) in [("sweep.toml", "renamed.toml"), ("disc.toml", "disc.toml"), ("out", "out")] {
+        std::fs::rename(place.path().join(from), place.path().join("moved").join(to)).unwrap();
+    }
+    std::fs::remove_file(place.path().join("moved/out/items/0000000.json")).unwrap();
+    let flags = ["run", "moved/renamed.toml", "-o", "moved/out", "--backend", "cpu", "--quiet", "--resume"];
+    assert_eq!(code(&sweep(&place, &flags)), 0);
+    assert_eq!(points(&place, "moved/out"), whole);
+    // The folder knows where its scene lies now.
+    assert_eq!(code(&sweep(&place, &["run", "moved/out", "--backend", "cpu", "--quiet"])), 0);
 }
 
 #[test]
@@ -295,6 +335,7 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
             let (frame, baseline, mask) = (read("file_name"), read("baseline_file_name"), read("mask_file_name"));
             assert_eq!([frame.width, baseline.width, mask.width], [32; 3]);
             assert_eq!(cell("size"), cell("true_size_mm"));
+            assert_eq!([cell("split"), cell("seed")], [split, "1"]);
             assert!(cell("force_n").parse::<f64>().unwrap() > 0.0);
             // The mask is a disc of the inclusion's size, by the scale on the axis.
             let size: f64 = cell("size").parse().unwrap();
@@ -318,7 +359,17 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
     assert!((1.8..2.3).contains(&(mean(1) / mean(0))), "{means:?}");
     let card = std::fs::read_to_string(folder.join("README.md")).unwrap();
     assert!(card.contains("8 images of 4 points") && card.contains("| `size` |"), "{card}");
-    assert!(card.contains("| `error` | false |"), "{card}");
+    assert!(card.contains("| `error` | false | `press.estimate_error` |"), "{card}");
+    assert!(card.contains("PDMS 1.41 (2 mm, n = 1.41)") && card.contains("## How to cite"), "{card}");
+
+    // A point one of whose images is lost is made again.
+    let mask = if folder.join("train/0000001_mask.png").exists() { "train" } else { "test" };
+    let mask = folder.join(mask).join("0000001_mask.png");
+    let drawn = std::fs::read(&mask).unwrap();
+    std::fs::remove_file(&mask).unwrap();
+    assert_eq!(json(&sweep(&place, &["status", "set", "--json"]))["damaged"], 1);
+    assert_eq!(code(&run(&place, "set", &["--resume"])), 0);
+    assert_eq!((std::fs::read(&mask).unwrap(), points(&place, "set")), (drawn, table.clone()));
 
     // A point whose record is lost is made again, with the same images.
     let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
@@ -410,6 +461,12 @@ fn a_job_array_ends_with_the_same_bytes_as_this_machine() {
     let output = send(&["-o", "array", "--submit"]);
     assert_eq!(code(&output), 0, "{output:?}");
     assert_eq!([&json(&output)["tasks"], &json(&output)["done"]], [3, 6]);
+    for (flags, said) in [(&["--submit"][..], "`--engine slurm`"), (&["--tasks", "3"], "`--engine slurm`")] {
+        let wrong = run(&place, "wrong", flags);
+        assert!(code(&wrong) == 2 && one_line(&wrong).contains(said), "{wrong:?}");
+    }
+    let wrong = send(&["-o", "wrong", "--shard", "1/2"]);
+    assert!(code(&wrong) == 2 && wrong.stdout.starts_with(b"{") && !place.path().join("wrong").exists(), "{wrong:?}");
     assert_eq!(points(&place, "array"), points(&place, "local"));
     // Without --submit nothing is computed; the folder itself is enough to go on with.
     let output = send(&["-o", "later"]);
@@ -433,18 +490,24 @@ fn a_job_array_ends_with_the_same_bytes_as_this_machine() {
 fn a_calibration_in_parts_waits_for_all() {
     let place = place();
     place.write("cal.toml", "[calibrate]\ndesign = \"sweep.toml\"\n");
+    let images = "[sweep]\nimages = { format = \"exr\", loads = \"all\" }\n";
     let calibrate = |flags: &[&str]| {
         let all: Vec<&str> =
             ["calibrate", "cal.toml", "--backend", "cpu", "--quiet"].iter().chain(flags).copied().collect();
         tirtouch_in(place.path(), &all)
     };
+    // Without the light nothing is learnt: that is told before the work.
+    let output = calibrate(&[]);
+    assert!(code(&output) == 2 && one_line(&output).contains("keeps no radiance"), "{output:?}");
+    assert_eq!(items(&place, "out/cal/design"), Vec::<PathBuf>::new());
+    place.write("sweep.toml", &SWEEP.replacen("[sweep]\n", images, 1));
     for part in ["1/2", "2/2"] {
         let output = calibrate(&["--shard", part, "--json"]);
         let waits = part == "1/2";
         assert_eq!(code(&output), if waits { 0 } else { 2 }, "{output:?}");
         assert!(!waits || json(&output)["file"].is_null(), "{output:?}");
     }
-    // All are there, and hold no images to learn from.
+    // All are there, and hold no press to learn from.
     assert!(one_line(&calibrate(&[])).contains("out/cal/design"));
     assert_eq!(items(&place, "out/cal/design").len(), 8, "six points, and two that make no scene");
 }

@@ -5,7 +5,9 @@ use crate::pages::PageError;
 use crate::pages::facts::figure;
 use crate::pages::tables::table;
 use crate::pipeline::Truth;
+use crate::scene::{Layer, Scene};
 use crate::sweep::{Format, Images, Loads, Record, Sweep};
+use crate::vary::KeyPath;
 use std::collections::BTreeMap;
 
 /// `metadata.csv` of a split: a row an image, with its file, those of its baseline, mask and contact
@@ -18,7 +20,7 @@ pub fn metadata_csv(sweep: &Sweep, images: &Images, records: &Records, split: &s
     let beside =
         [("baseline_file_name", images.baseline), ("mask_file_name", images.masks), ("pressure_npy", images.pressures)];
     head.extend(beside.iter().filter(|(_, kept)| *kept).map(|(name, _)| (*name).to_owned()));
-    head.push("row".into());
+    head.extend(["row", "split", "seed"].map(str::to_owned));
     head.extend(sweep.plan.names().map(str::to_owned));
     let truths = ["true_size_mm", "true_depth_mm", "true_youngs_kpa", "true_phantom_youngs_kpa"];
     head.extend(truths.map(str::to_owned));
@@ -38,12 +40,13 @@ fn rows(sweep: &Sweep, images: &Images, row: usize, record: &Record) -> Vec<Vec<
         }
         None => Default::default(),
     };
+    let seed = sweep.file.sweep.seed.unwrap_or(sweep.base.scene.render.seed);
     let one = |kept: &crate::sweep::Kept| {
         let mut cells = vec![kept.file.clone()];
         cells.extend(images.baseline.then(|| images.baseline_file(row)));
         cells.extend(images.masks.then(|| Images::mask_file(row)));
         cells.extend(images.pressures.then(|| Images::pressure_file(&kept.file)));
-        cells.push(row.to_string());
+        cells.extend([row.to_string(), images.split(row).to_owned(), seed.to_string()]);
         cells.extend(record.values.iter().map(ToString::to_string));
         cells.extend(truth.clone());
         let load = |of: fn(&(usize, f64, f64)) -> String| kept.load.as_ref().map_or(String::new(), of);
@@ -92,26 +95,64 @@ pub fn card(sweep: &Sweep, images: &Images, records: &Records) -> String {
         Format::Npy => "radiance, W/(m^2 sr), arrays of NumPy's (rows, columns), 32-bit float".into(),
         Format::Exr => "radiance with its variance, W/(m^2 sr), linear, 32-bit float".into(),
     };
-    let loads = match images.loads {
-        Loads::Last => "the last load of each press",
-        Loads::All => "every load of each press",
+    let loads = match (images.loads, scene.press.is_some()) {
+        (_, false) => "",
+        (Loads::Last, true) => ", of the last load of each press",
+        (Loads::All, true) => ", of every load of each press",
     };
-    let rows = names.iter().zip(&values).map(|(name, seen)| format!("| `{name}` | {} |\n", range(seen)));
-    let ranges: String = rows.collect();
+    let keys = |keys: &[KeyPath]| match keys {
+        [] => "-".to_owned(),
+        keys => keys.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", "),
+    };
+    let ranges: String = (names.iter().zip(&values).zip(sweep.plan.keys()))
+        .map(|((name, seen), of)| format!("| `{name}` | {} | {} |\n", range(seen), keys(of)))
+        .collect();
+    let asked = &sweep.file.sweep.description;
+    let beside = beside(images);
+    let (name, version, sensor) = (&sweep.name, env!("CARGO_PKG_VERSION"), sensor(scene));
+    let about = if asked.is_empty() { &scene.description } else { asked };
     format!(
-        "# {}\n\n{}\n\nSynthetic images of the multilayer total-internal-reflection tactile sensor, made by tirtouch {}.\n\n\
+        "# {name}\n\n{about}\n\nSynthetic images of the multilayer total-internal-reflection tactile sensor, made by \
+         tirtouch {version}.\n\n\
          - {count} images of {points} points, {tests} of these for testing (`test/`), the others in `train/`.\n\
-         - {width} x {height} pixels: {what}. Of {loads}.\n\
-         - `metadata.csv` has a row an image: what varied, what is true, depth (mm) and force (N) of the press.\n\
+         - {width} x {height} pixels: {what}{loads}.\n{beside}\
+         - `metadata.csv` has a row an image: what varied, what is true, depth (mm) and force (N) of the press. Columns \
+         that end in `_mm`, `_kpa` and `_n` are in mm, kPa and N.\n\
          - Base scene: `scene.toml` ({}, SHA-256 {}); `sweep.toml` has what varies. `tirtouch sweep scene . ROW` prints \
-         the scene of any row.\n\n| what varies | range here |\n|---|---|\n{ranges}\nThe images are simulated: materials, \
-         contact and exposure are those of the scene, some of them assumed. They hold no measured data.\n\nCite tirtouch \
-         {} and the scene's sources.\n",
-        sweep.name,
-        if sweep.file.sweep.description.is_empty() { &scene.description } else { &sweep.file.sweep.description },
-        env!("CARGO_PKG_VERSION"),
-        scene.name,
-        sweep.base.sha256,
-        env!("CARGO_PKG_VERSION"),
+         the scene of any row.\n\n## The sensor\n\n{sensor}\n\n## What varies\n\n\
+         | column | range here | key of the scene, with its unit |\n|---|---|---|\n{ranges}\n\
+         ## Limits\n\nThe images are simulated: materials, contact and exposure are those of the scene, some of them \
+         assumed. They hold no measured data.\n\n## How to cite\n\n> tirtouch {version}: open simulator of the \
+         multilayer total-internal-reflection tactile sensor. Data set {name}, scene {} (SHA-256 {}).\n\nThe comments of \
+         `scene.toml` name the papers that its numbers are from; cite these too.\n",
+        scene.name, sweep.base.sha256, scene.name, sweep.base.sha256,
+    )
+}
+
+/// What lies beside each image.
+fn beside(images: &Images) -> String {
+    let kept = [
+        (
+            images.baseline,
+            "the phantom without its inclusion, once a phantom, at its last load: it suits that load's frame",
+        ),
+        (images.masks, "a mask, once a phantom: 255 where a pixel sees the face over an inclusion's outline"),
+        (images.pressures, "contact pressures of each image, kPa (`numpy.load`)"),
+    ];
+    kept.iter().filter(|(kept, _)| *kept).map(|(_, what)| format!("- Beside them: {what}.\n")).collect()
+}
+
+/// The base scene's sensor in words.
+fn sensor(scene: &Scene) -> String {
+    let layer = |one: &Layer| match one.n {
+        Some(n) => format!("{} ({} mm, n = {n})", one.name, one.thickness_mm),
+        None => format!("{} ({} mm)", one.name, one.thickness_mm),
+    };
+    let layers = scene.stack.layer.iter().map(layer).collect::<Vec<_>>().join(", ");
+    let [length, width] = scene.stack.footprint_mm;
+    let (leds, sensor) = (scene.led.len(), &scene.camera.sensor);
+    format!(
+        "Layers, touch side first: {layers}; {length} x {width} mm. {leds} LEDs, {} nm. Camera below: {} ms, {} bits.",
+        scene.light.wavelength_nm, sensor.exposure_ms, sensor.bit_depth,
     )
 }

@@ -14,11 +14,16 @@ use super::facts::{columns, figure};
 use crate::output::Records;
 use crate::sweep::{Status, Sweep};
 
-/// Writes the tables, the labels of a data set and the report of whatever records are there, which `command` made.
+/// Writes the tables, the labels of a data set and the report of whatever records are there, which `command` made. Of
+/// several workers that come to their end one writes after the other: what is there last is of all records.
 ///
 /// # Errors
 /// A file that cannot be written, a picture that cannot be drawn.
 pub fn write(sweep: &Sweep, records: &Records, command: &str) -> Result<Status, PageError> {
+    records.in_turn(|| write_all(sweep, records, command))
+}
+
+fn write_all(sweep: &Sweep, records: &Records, command: &str) -> Result<Status, PageError> {
     records.write("points.csv", &table::points_csv(sweep, records)?)?;
     #[cfg(feature = "parquet")]
     records.write_bytes("points.parquet", &parquet::points_parquet(&points(sweep, records))?)?;
@@ -37,7 +42,7 @@ pub fn write(sweep: &Sweep, records: &Records, command: &str) -> Result<Status, 
     }
     let status = Status::of(sweep, records);
     let drawn = pictures::draw(sweep, records)?;
-    records.write("report.html", &page::page(sweep, records, &status, &drawn, command).to_html())?;
+    records.write("report.html", &page::page(sweep, records, &status, &drawn, command)?.to_html())?;
     Ok(status)
 }
 

@@ -1,15 +1,15 @@
 //! Figures of a sweep against what varies.
 
+use crate::figure::Digits;
 use crate::output::Records;
 use crate::pages::PageError;
-use crate::pages::facts::figure;
-use crate::report::{AxisName, Curve, CurvePlot, CurveStyle, curve_plot};
+use crate::report::{AxisName, Curve, CurvePlot, CurveStyle, HeatMap, curve_plot, heat_map};
 use crate::sweep::{State, Sweep};
 use crate::vary::Scalar;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Most curves in one picture, and most pictures of one figure.
-const MOST: usize = 6;
+pub const MOST: usize = 6;
 
 /// One picture.
 pub struct Picture {
@@ -19,8 +19,8 @@ pub struct Picture {
     pub against: String,
     /// The picture.
     pub svg: String,
-    /// Whether its points are one axis after the other, and not scattered over all that varies.
-    pub is_curve: bool,
+    /// How it is read.
+    pub said: &'static str,
 }
 
 /// A point with the figure: value of each variable, the figure, its interval.
@@ -31,7 +31,7 @@ struct Seen {
 }
 
 /// Pictures of every figure. One axis: a curve with its band. Two, of which one has few values: a curve for each of
-/// them. More: the figure against each variable, one dot a point.
+/// them; a grid of many values: a map. Else: the figure against each variable, one dot a point.
 pub fn draw(sweep: &Sweep, records: &Records) -> Result<Vec<Picture>, PageError> {
     let names: Vec<&str> = sweep.plan.names().collect();
     let done: Vec<_> = (0..sweep.plan.count())
@@ -63,6 +63,7 @@ pub fn draw(sweep: &Sweep, records: &Records) -> Result<Vec<Picture>, PageError>
             [x] if one.is_numeric(x) => pictures.push(one.curves(x, None)?),
             [a, b] if one.is_numeric(a) && one.few(b) => pictures.push(one.curves(a, Some(b))?),
             [a, b] if one.is_numeric(b) && one.few(a) => pictures.push(one.curves(b, Some(a))?),
+            [a, b] if one.is_grid(a, b) => pictures.push(one.map(a, b)?),
             _ => {
                 for &x in free.iter().filter(|&&x| one.is_numeric(x)).take(MOST) {
                     pictures.push(one.dots(x)?);
@@ -90,14 +91,25 @@ impl Drawing<'_> {
         self.groups(Some(variable)).len() <= MOST
     }
 
+    /// Whether there is a point for most pairs of values of two variables of numbers, and for none two.
+    fn is_grid(&self, a: usize, b: usize) -> bool {
+        let count = |variable: usize| self.groups(Some(variable)).len();
+        let pairs: BTreeSet<_> = self.seen.iter().map(|seen| [a, b].map(|k| self.x(seen, k).to_bits())).collect();
+        let all = self.seen.len();
+        self.is_numeric(a) && self.is_numeric(b) && pairs.len() == all && count(a) * count(b) <= 2 * all
+    }
+
     /// Points by the value of a variable, in the order in which values come.
     fn groups(&self, by: Option<usize>) -> Vec<(String, Vec<&Seen>)> {
+        let values = |by: usize| self.seen.iter().filter_map(move |seen| seen.values.get(by)?.number());
+        let digits = by.map(|by| Digits::of(values(by)));
         let mut groups: Vec<(String, Vec<&Seen>)> = Vec::new();
         let mut places = BTreeMap::new();
         for seen in self.seen {
-            let name = by.and_then(|by| seen.values.get(by)).map_or(String::new(), |value| match value.number() {
-                Some(number) => figure(number),
-                None => value.to_string(),
+            let value = by.and_then(|by| seen.values.get(by));
+            let name = value.map_or(String::new(), |value| match (value.number(), digits) {
+                (Some(number), Some(digits)) => digits.written(number),
+                _ => value.to_string(),
             });
             let place = *places.entry(name.clone()).or_insert_with(|| {
                 groups.push((name, Vec::new()));
@@ -128,25 +140,38 @@ impl Drawing<'_> {
                 style: CurveStyle::Line,
             }
         });
-        self.plot(x, curves.collect(), "band: 95 % interval", true)
+        self.plot(x, curves.collect(), "band: 95 % interval", "with its 95 % interval")
     }
 
     fn dots(&self, x: usize) -> Result<Picture, PageError> {
         let points = self.seen.iter().map(|seen| [self.x(seen, x), seen.value]).collect();
         let curve = Curve { name: String::new(), points, band: Vec::new(), style: CurveStyle::Points };
-        self.plot(x, vec![curve], "one dot a point; the other variables change too", false)
+        self.plot(x, vec![curve], "one dot a point; the other variables change too", "each dot a point")
     }
 
-    fn plot(&self, x: usize, curves: Vec<Curve>, said: &str, is_curve: bool) -> Result<Picture, PageError> {
+    fn map(&self, x: usize, y: usize) -> Result<Picture, PageError> {
+        let against = format!("{} and {}", self.name(x), self.name(y));
+        let svg = heat_map(&HeatMap {
+            title: self.figure,
+            subtitle: &format!("{}: against {against}; a cell a point", self.sweep),
+            x: AxisName { quantity: self.name(x), unit: "" },
+            y: AxisName { quantity: self.name(y), unit: "" },
+            z: AxisName { quantity: self.figure, unit: "" },
+            points: self.seen.iter().map(|seen| [self.x(seen, x), self.x(seen, y), seen.value]).collect(),
+        })?;
+        Ok(Picture { figure: self.figure, against, svg, said: "each cell a point" })
+    }
+
+    fn plot(&self, x: usize, curves: Vec<Curve>, shown: &str, said: &'static str) -> Result<Picture, PageError> {
         let svg = curve_plot(&CurvePlot {
             title: self.figure,
-            subtitle: &format!("{}: against {}; {said}", self.sweep, self.name(x)),
+            subtitle: &format!("{}: against {}; {shown}", self.sweep, self.name(x)),
             x: AxisName { quantity: self.name(x), unit: "" },
             y: AxisName { quantity: self.figure, unit: "" },
             curves,
             highest: None,
             from_zero: false,
         })?;
-        Ok(Picture { figure: self.figure, against: self.name(x).to_owned(), svg, is_curve })
+        Ok(Picture { figure: self.figure, against: self.name(x).to_owned(), svg, said })
     }
 }

@@ -30,7 +30,7 @@ pub fn points(sweep: &Sweep, records: &Records) -> Points {
         // What a design asked for is known before it is computed.
         let values = match &record {
             Some(record) if !record.values.is_empty() => record.values.clone(),
-            _ => sweep.plan.point(row).map(|point| point.values).unwrap_or_default(),
+            _ => sweep.plan.values(row),
         };
         let figures = record.as_ref().map(|record| record.figures.as_slice()).unwrap_or_default();
         let figure = |k: usize| {
@@ -85,23 +85,26 @@ pub fn times_csv(sweep: &Sweep, records: &Records) -> Result<String, PageError> 
 pub fn sensitivity_csv(sweep: &Sweep, records: &Records) -> Result<String, PageError> {
     let head = ["figure", "variable", "quantity", "value", "low", "high", "note"].map(str::to_owned);
     let names = sweep.free_names();
+    let within = |one: &Interval| [one.value, one.low, one.high].map(Some);
     let mut rows = Vec::new();
     for (figure, found) in sweep.sensitivity(records) {
-        let mut add = |variable: &str, quantity: &str, value: &Interval| {
-            let [value, low, high] = [value.value, value.low, value.high].map(|value| value.to_string());
+        let mut add = |variable: &str, quantity: &str, [value, low, high]: [Option<f64>; 3]| {
+            let [value, low, high] =
+                [value, low, high].map(|value| value.map_or(String::new(), |value| value.to_string()));
             rows.push([figure.into(), variable.into(), quantity.into(), value, low, high, String::new()].to_vec());
         };
         match found {
             Ok(Sensitivity::Effects(all)) => {
                 for (one, name) in all.iter().zip(&names) {
-                    add(name, "mean_absolute_effect", &one.mean_absolute);
-                    add(name, "mean_effect", &one.mean);
+                    add(name, "mean_absolute_effect", within(&one.mean_absolute));
+                    add(name, "mean_effect", within(&one.mean));
+                    add(name, "spread_of_effects", [Some(one.spread), None, None]);
                 }
             }
             Ok(Sensitivity::Indices(all)) => {
                 for (one, name) in all.iter().zip(&names) {
-                    add(name, "first_index", &one.first);
-                    add(name, "total_index", &one.total);
+                    add(name, "first_index", within(&one.first));
+                    add(name, "total_index", within(&one.total));
                 }
             }
             Err(why) => {
