@@ -184,6 +184,8 @@ impl FrameModel {
         let [columns, rows] = camera.pixels;
         let even = u64::from(columns) * u64::from(pixels[1]) == u64::from(rows) * u64::from(pixels[0]);
         let pixel_pitch_um = camera.pixel_pitch_um * f64::from(columns) / f64::from(pixels[0].max(1));
+        // As a scene would have it: without what the division leaves beyond a femtometre.
+        let pixel_pitch_um = (1e9 * pixel_pitch_um).round() / 1e9;
         even.then_some((Camera { pixels, pixel_pitch_um, ..camera }, wavelength_nm))
     }
 

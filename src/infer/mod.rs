@@ -6,6 +6,7 @@
 
 mod bound;
 mod ensemble;
+mod importance;
 mod learnt;
 mod posterior;
 mod seen;

@@ -9,6 +9,7 @@
 //! ```
 
 use super::ensemble::Ensemble;
+use super::importance::Weighted;
 use super::learnt::Scored;
 use super::seen::Told;
 use crate::camera::noise::PixelRandom;
@@ -16,11 +17,12 @@ use crate::emulate::{FitError, GaussianProcess};
 use faer::linalg::solvers::{DenseSolveCore as _, Llt};
 use faer::{Mat, Side};
 
-/// Draws among which the walkers start, walkers, steps until they have come to rest, and steps that are kept.
+/// Draws among which the walkers start, walkers, and their steps until they are about where the density is.
 const DRAWS: usize = 4000;
 const WALKERS: usize = 64;
 const SETTLING: usize = 150;
-const KEPT: usize = 250;
+/// Draws that are kept.
+const KEPT: usize = 4000;
 /// Every how many steps walkers are kept.
 const EACH: usize = 5;
 /// Degrees of freedom of the scores' tails.
@@ -76,19 +78,16 @@ impl Scored {
         let density = self.density(told, &followed, &variances)?;
         let places = ensemble.walkers.into_iter().map(|(place, _)| place).collect();
         let mut ensemble = Ensemble::new(places, seed ^ 0xa5a5, &density);
-        let mut draws = Vec::new();
-        let mut top = (f64::NEG_INFINITY, at);
-        for step in 0..SETTLING + KEPT {
+        let mut cloud = Vec::new();
+        for step in 0..SETTLING {
             ensemble.step(&density);
-            for (place, log) in &ensemble.walkers {
-                if *log > top.0 {
-                    top = (*log, place.clone());
-                }
-            }
-            if step >= SETTLING && step % EACH == 0 {
-                draws.extend(ensemble.walkers.iter().map(|(place, _)| self.values(place)));
+            if step % EACH == 0 && 2 * step >= SETTLING {
+                cloud.extend(ensemble.walkers.iter().map(|(place, _)| place.clone()));
             }
         }
+        let weighted = Weighted::of(cloud, seed ^ 0x3c3c, &density).ok_or(FitError::Degenerate)?;
+        let top = weighted.top.clone().ok_or(FitError::Degenerate)?;
+        let draws = weighted.drawn(KEPT, &mut random).iter().map(|place| self.values(place)).collect();
         // The sum of squares whose tail has this density.
         let tails = TAILS + told.scores.len() as f64;
         let misfit = TAILS * (-2.0 * top.0 / tails).exp_m1();
@@ -106,7 +105,7 @@ impl Scored {
         told: &'a Told,
         followed: &'a [&GaussianProcess],
         variances: &[f64],
-    ) -> Result<impl Fn(&[f64]) -> f64 + 'a, FitError> {
+    ) -> Result<impl Fn(&[f64]) -> f64 + Sync + 'a, FitError> {
         let k = told.scores.len();
         if followed.len() != k {
             return Err(FitError::Degenerate);
