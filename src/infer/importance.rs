@@ -19,11 +19,11 @@ const REACH: f64 = 1.3;
 const WIDE: f64 = 0.1;
 const WIDTH: f64 = 1.5;
 /// Draws of a round, the fewest rounds that count, and the most.
-const DRAWS: usize = 8_000;
-const LEAST: usize = 3;
+const DRAWS: usize = 6_000;
+const LEAST: usize = 2;
 const ROUNDS: usize = 8;
 /// Independent draws that suffice.
-const ENOUGH: f64 = 4_000.0;
+const ENOUGH: f64 = 3_000.0;
 
 /// Draws with their weights.
 #[derive(Debug, Clone, Default)]
@@ -253,7 +253,7 @@ mod tests {
         let normal = Normal::new(0.0, 1.0).unwrap();
         let below = normal.cdf(-1.0);
         let cut = [0.025, 0.5, 0.975].map(|share| normal.inverse_cdf(below + share * (1.0 - below)));
-        let seeds = 20;
+        let seeds = 12;
         let off = |seed: u32| {
             let weighted = Weighted::of(start(seed), seed, &ridge).unwrap();
             assert!(weighted.worth >= ENOUGH, "{}", weighted.worth);

@@ -21,6 +21,8 @@ use faer::{Mat, Side};
 const DRAWS: usize = 4000;
 const WALKERS: usize = 64;
 const SETTLING: usize = 150;
+/// Their steps after that, as the variance of the prediction is that at the best place.
+const FOLLOWING: usize = 50;
 /// Draws that are kept.
 const KEPT: usize = 4000;
 /// Every how many steps walkers are kept.
@@ -79,9 +81,9 @@ impl Scored {
         let places = ensemble.walkers.into_iter().map(|(place, _)| place).collect();
         let mut ensemble = Ensemble::new(places, seed ^ 0xa5a5, &density);
         let mut cloud = Vec::new();
-        for step in 0..SETTLING {
+        for step in 0..FOLLOWING {
             ensemble.step(&density);
-            if step % EACH == 0 && 2 * step >= SETTLING {
+            if step % EACH == 0 && 2 * step >= FOLLOWING {
                 cloud.extend(ensemble.walkers.iter().map(|(place, _)| place.clone()));
             }
         }
