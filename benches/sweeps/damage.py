@@ -3,8 +3,8 @@
 
     cargo build --release && python3 benches/sweeps/damage.py    # as root: mounts small file systems; needs faketime
 
-Each case runs the smallest sweep of cases.py and is judged by the exit code, by the lines on standard error, and by whether the
-folder can be gone on with to the table of a sweep that nothing befell, byte by byte.
+Each case runs the smallest sweep of cases.py and is judged by the exit code, by the lines on standard error, and by
+whether the folder can be gone on with to the table of a sweep that nothing befell, byte by byte.
 """
 
 import random

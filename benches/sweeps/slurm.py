@@ -6,9 +6,9 @@
 
 Runs a sweep of cases.py on this machine, then in each round as a job array of four tasks. At random times one task's
 program is killed (`kill -9`), another's job is sent back to the queue (`scontrol requeue`, as where it is preempted),
-and the array is sent anew until all points are there. Table, labels and images after `sweep collect` are to be those of this
-machine, byte by byte, and no record that was there after a kill is to be written again. `index` is the sweep of 200
-points of index.py.
+and the array is sent anew until all points are there. Table, labels and images after `sweep collect` are to be those of
+this machine, byte by byte, and no record that was there after a kill is to be written again. `index` is the sweep of
+200 points of index.py.
 """
 
 import argparse

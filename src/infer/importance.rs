@@ -1,9 +1,9 @@
 //! Draws of a density by importance: from mixtures of kernels with heavy tails that are fitted to it round after round
 //! (West, J. R. Stat. Soc. B 55(2), 1993), weighed by the density over the mixtures'.
 //!
-//! A chain of the same work keeps the shape of its start for longer than it runs where the density is a long, bent ridge,
-//! as that of modulus and size is: its intervals lacked their far ends. Here every draw is independent, and how many
-//! they are worth is known.
+//! A chain of the same work keeps the shape of its start for longer than it runs where the density is a long, bent
+//! ridge, as that of modulus and size is: its intervals lacked their far ends. Here every draw is independent, and how
+//! many they are worth is known.
 
 use crate::camera::noise::PixelRandom;
 use faer::linalg::solvers::Llt;
@@ -66,8 +66,8 @@ impl Weighted {
         Some(cloud)
     }
 
-    /// Weighs all draws by what all their mixtures reach them with: one that a mixture hardly reached, and another did, weighs
-    /// little more than its neighbours (Cornuet et al., Scand. J. Stat. 39(4), 2012).
+    /// Weighs all draws by what all their mixtures reach them with: one that a mixture hardly reached, and another did,
+    /// weighs little more than its neighbours (Cornuet et al., Scand. J. Stat. 39(4), 2012).
     fn weigh(&mut self, reached: &[f64], logs: &[f64]) -> Option<()> {
         let off = |(log, reached): (&f64, &f64)| if log.is_finite() { log - reached.ln() } else { f64::NEG_INFINITY };
         let off: Vec<f64> = logs.iter().zip(reached).map(off).collect();

@@ -25,8 +25,8 @@ pub struct HeatMap<'a> {
 /// Size of the plot, pixels.
 const SIZE: [f64; 2] = [520.0, 380.0];
 
-/// Draws cells as a self-contained SVG. A cell reaches half way to the next values of each axis; where there is no point
-/// there is no cell.
+/// Draws cells as a self-contained SVG. A cell reaches half way to the next values of each axis; where there is no
+/// point there is no cell.
 ///
 /// # Errors
 /// Where a number is not finite.

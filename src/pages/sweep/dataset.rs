@@ -116,15 +116,15 @@ pub fn card(sweep: &Sweep, images: &Images, records: &Records) -> String {
          tirtouch {version}.\n\n\
          - {count} images of {points} points, {tests} of these for testing (`test/`), the others in `train/`.\n\
          - {width} x {height} pixels: {what}{loads}.\n{beside}\
-         - `metadata.csv` has a row an image: what varied, what is true, depth (mm) and force (N) of the press. Columns \
-         that end in `_mm`, `_kpa` and `_n` are in mm, kPa and N.\n\
+         - `metadata.csv` has a row an image: what varied, what is true, depth (mm) and force (N) of the press. \
+         Columns that end in `_mm`, `_kpa` and `_n` are in mm, kPa and N.\n\
          - Base scene: `scene.toml` ({}, SHA-256 {}); `sweep.toml` has what varies. `tirtouch sweep scene . ROW` prints \
          the scene of any row.\n\n## The sensor\n\n{sensor}\n\n## What varies\n\n\
          | column | range here | key of the scene, with its unit |\n|---|---|---|\n{ranges}\n\
          ## Limits\n\nThe images are simulated: materials, contact and exposure are those of the scene, some of them \
          assumed. They hold no measured data.\n\n## How to cite\n\n> tirtouch {version}: open simulator of the \
-         multilayer total-internal-reflection tactile sensor. Data set {name}, scene {} (SHA-256 {}).\n\nThe comments of \
-         `scene.toml` name the papers that its numbers are from; cite these too.\n",
+         multilayer total-internal-reflection tactile sensor. Data set {name}, scene {} (SHA-256 {}).\n\nThe comments \
+         of `scene.toml` name the papers that its numbers are from; cite these too.\n",
         scene.name, sweep.base.sha256, scene.name, sweep.base.sha256,
     )
 }
