@@ -24,6 +24,8 @@ const MOST_OFF: f64 = 5.0;
 const NOISIEST: f64 = 30.0;
 /// Chance below which the frames are not those of any phantom that was learnt.
 const LEAST_CHANCE: f64 = 1e-4;
+/// Independent draws that an interval needs: the chance beyond one of its ends is then known to 1 %.
+const LEAST_DRAWS: f64 = 200.0;
 /// Seed of the draws.
 const SEED: u32 = 1;
 
@@ -43,6 +45,8 @@ pub struct Inferred {
     pub misfit: f64,
     /// What is not explained, over the noise of the light of the training images.
     pub noise: f64,
+    /// How many independent draws of the unknowns the intervals are made of.
+    pub draws: f64,
     /// Draws of the unknowns.
     #[serde(skip)]
     pub posterior: Posterior,
@@ -126,6 +130,7 @@ impl FrameModel {
             scores: told.scores.len(),
             misfit: posterior.misfit,
             noise: told.noise_factor.sqrt(),
+            draws: posterior.worth,
             posterior,
         }
     }
@@ -248,6 +253,9 @@ impl FrameModel {
         if ![low, middle, high].iter().all(|v| v.is_finite()) {
             return Value::undefined("the calibration cannot be inverted");
         }
+        if posterior.worth < LEAST_DRAWS {
+            return Value::undefined(format!("only {:.0} draws tell it: too few for an interval", posterior.worth));
+        }
         let coordinate = |value: f64| unknown.prior.coordinate(value);
         let [first, last] = unknown.prior.bounds();
         let range = format!("{} to {}", short(unknown.prior.value(first)), short(unknown.prior.value(last)));
@@ -290,6 +298,24 @@ fn chance(square: f64, freedom: f64) -> f64 {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    /// The same draws tell a size where they are worth enough, and say so where they are not.
+    #[test]
+    fn few_draws_tell_nothing() {
+        let model = crate::calibrate::ready().unwrap();
+        let size = model.unknown(0).unwrap();
+        let draw = |k: u32| -> Vec<f64> {
+            let middle = |[low, high]: [f64; 2]| 0.5 * (low + high);
+            let values = model.learnt.scored.unknowns.iter().map(|one| one.prior.value(middle(one.prior.bounds())));
+            values.map(|value| value * (1.0 + 1e-3 * f64::from(k % 10))).collect()
+        };
+        let posterior =
+            |worth: f64| Posterior { draws: (0..100).map(draw).collect(), misfit: 1.0, scores: vec![], worth };
+        let told = |worth: f64| model.value(&posterior(worth), size);
+        assert!(matches!(told(250.0), Value::Known { .. }), "{:?}", told(250.0));
+        let Value::Undefined { reason } = told(150.0) else { panic!("150 draws") };
+        assert_eq!(reason, "only 150 draws tell it: too few for an interval");
+    }
 
     /// y = -2 x, z = x + an independent number of the same size, and one that does not vary.
     #[test]

@@ -167,7 +167,6 @@ impl How {
         let start = Instant::now();
         let place = there.map_or_else(|| self.place.named(&sweep.name), Path::to_path_buf);
         let resume = self.resume || there.is_some();
-        self.check()?;
         if self.engine == Engine::Slurm {
             let (records, tasks, said) = self.job(sweep, &place, resume)?;
             let mut result = Status::of(sweep, &records).json(sweep);
@@ -233,6 +232,7 @@ impl How {
     }
 
     fn records(&self, sweep: &Sweep, place: &Path, resume: bool) -> Result<Records, Failure> {
+        self.check()?;
         let records = sweep.enter(place, self.place.force, resume)?;
         leftovers().keep(format!("what was done is in {}: go on with --resume", place.display()));
         Ok(records)

@@ -43,6 +43,8 @@ pub struct Posterior {
     pub misfit: f64,
     /// The scores there, and the numbers beside them.
     pub scores: Vec<f64>,
+    /// How many independent draws the draws are worth (Kish).
+    pub worth: f64,
 }
 
 impl Scored {
@@ -93,7 +95,7 @@ impl Scored {
         // The sum of squares whose tail has this density.
         let tails = TAILS + told.scores.len() as f64;
         let misfit = TAILS * (-2.0 * top.0 / tails).exp_m1();
-        Ok(Posterior { draws, misfit, scores: self.at(&top.1) })
+        Ok(Posterior { draws, misfit, scores: self.at(&top.1), worth: weighted.worth })
     }
 
     /// Values of the unknowns of a place.
@@ -134,10 +136,19 @@ impl Scored {
 }
 
 impl Posterior {
-    /// Share of the draws in which an unknown is below a value; none without draws.
-    pub fn below(&self, unknown: usize, value: f64) -> Option<f64> {
-        let below = self.draws.iter().filter(|draw| draw.get(unknown).is_some_and(|drawn| *drawn < value)).count();
-        (!self.draws.is_empty()).then(|| below as f64 / self.draws.len() as f64)
+    /// Share of the draws in which an unknown is below a value, of those that lie within `ranges`, one for each unknown
+    /// that has one: truths that are drawn from less than the prior have even ranks among these alone. None without
+    /// draws.
+    pub fn below(&self, unknown: usize, value: f64, ranges: &[Option<[f64; 2]>]) -> Option<f64> {
+        let inside = |draw: &&Vec<f64>| {
+            let holds = |(drawn, range): (&f64, &Option<[f64; 2]>)| {
+                range.is_none_or(|[low, high]| (low..=high).contains(drawn))
+            };
+            draw.iter().zip(ranges).all(holds)
+        };
+        let draws = || self.draws.iter().filter(inside);
+        let below = draws().filter(|draw| draw.get(unknown).is_some_and(|drawn| *drawn < value)).count();
+        Some(draws().count()).filter(|all| *all > 0).map(|all| below as f64 / all as f64)
     }
 
     /// Quantile of an unknown.

@@ -206,3 +206,16 @@ fn bounds_hold_what_the_lights_own_slopes_say() {
     // Of 80.
     assert!(held[0] >= 64 && held[1] < 40, "{held:?}");
 }
+
+/// Draws of 0 to 1: of those within 0.4 to 0.6 a quarter is below 0.45.
+#[test]
+fn ranks_are_those_among_what_truths_are_drawn_from() {
+    let draws = (0..1000).map(|k| vec![f64::from(k) / 1000.0, f64::from(k % 10)]).collect();
+    let posterior = Posterior { draws, misfit: 0.0, scores: vec![], worth: 1000.0 };
+    let below = |ranges: &[Option<[f64; 2]>]| posterior.below(0, 0.45, ranges);
+    assert_eq!(below(&[None, None]), Some(0.45));
+    assert!((below(&[Some([0.4, 0.6]), None]).unwrap() - 0.25).abs() < 0.002);
+    // The other one's range takes draws away, and says nothing of this one.
+    assert!((below(&[None, Some([2.0, 5.0])]).unwrap() - 0.45).abs() < 0.002);
+    assert_eq!(below(&[Some([2.0, 3.0]), None]), None);
+}

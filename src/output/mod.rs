@@ -8,6 +8,7 @@ mod contents;
 mod error;
 mod folder;
 pub mod leftovers;
+mod order;
 mod records;
 mod whole;
 mod worker;

@@ -36,8 +36,8 @@ pub struct Trial {
     pub phantom_youngs_kpa: Option<f64>,
     /// What its frames say.
     pub estimates: Estimates,
-    /// Rank of the true size, depth and modulus among 99 draws of the posterior, 0 to 99; none where there are no
-    /// draws.
+    /// Rank of the true size, depth and modulus among 99 draws of the posterior within the ranges that truths are drawn
+    /// from, 0 to 99; none where there are no draws.
     pub ranks: [Option<usize>; 3],
     /// The calibration's unknowns that the phantoms' sweep has variables of, by their names.
     pub others: Vec<Other>,
@@ -87,7 +87,8 @@ pub fn trials(
         return Err(CalibrateError::Unsuited { folder: folder.to_path_buf(), why }.into());
     }
     let kept: Vec<(usize, Record)> = sweep.kept(&records).collect();
-    let (done, study) = (AtomicUsize::new(0), Phantoms { model, sweep: &sweep, records: &records, how });
+    let ranges = model.unknowns().map(|(unknown, keys)| range(&sweep, &unknown.name, keys)).collect();
+    let (done, study) = (AtomicUsize::new(0), Phantoms { model, sweep: &sweep, records: &records, how, ranges });
     let each = |(row, record): &(usize, Record)| {
         if !observe(done.load(Ordering::Relaxed), kept.len()) {
             return Ok(None);
@@ -138,6 +139,21 @@ struct Phantoms<'a> {
     sweep: &'a Sweep,
     records: &'a Records,
     how: How,
+    /// Where the truth of each unknown is drawn from.
+    ranges: Vec<Option<[f64; 2]>>,
+}
+
+/// A sweep's variable of a name and keys.
+fn variable(sweep: &Sweep, name: &str, keys: &[String]) -> Option<usize> {
+    let place = sweep.plan.names().position(|own| own == name)?;
+    let own = sweep.file.vary.get(place)?.key.as_ref().map(|keys| keys.all()).unwrap_or_default();
+    (own == keys).then_some(place)
+}
+
+/// The range that it is drawn from; none where it has none.
+fn range(sweep: &Sweep, name: &str, keys: &[String]) -> Option<[f64; 2]> {
+    let vary = sweep.file.vary.get(variable(sweep, name, keys)?)?;
+    vary.uniform.or(vary.log_uniform)
 }
 
 impl Phantoms<'_> {
@@ -163,7 +179,8 @@ impl Phantoms<'_> {
             let (estimates, inferred) =
                 self.model.inverted(&Frames { camera: &camera, wavelength_nm, frames, force_error });
             let rank = |k: usize| {
-                let share = inferred.as_ref().ok()?.posterior.below(self.model.unknown(k)?, figures[k]?)?;
+                let share =
+                    inferred.as_ref().ok()?.posterior.below(self.model.unknown(k)?, figures[k]?, &self.ranges)?;
                 Some(((share * (RANKED + 1) as f64) as usize).min(RANKED))
             };
             let others = inferred.iter().flat_map(|inferred| self.others(record, inferred)).collect();
@@ -191,12 +208,7 @@ impl Phantoms<'_> {
     /// What is inferred of variables that the sweep draws under the calibration's names and keys.
     fn others(&self, record: &Record, inferred: &Inferred) -> Vec<Other> {
         let of = |unknown: &InferredUnknown| {
-            let place = self.sweep.plan.names().position(|name| name == unknown.name)?;
-            let keys = self.sweep.file.vary.get(place)?.key.as_ref().map(|keys| keys.all()).unwrap_or_default();
-            if keys != unknown.keys {
-                return None;
-            }
-            let truth = record.values.get(place)?.number()?;
+            let truth = record.values.get(variable(self.sweep, &unknown.name, &unknown.keys)?)?.number()?;
             Some(Other { name: unknown.name.clone(), truth, value: unknown.value.clone() })
         };
         inferred.unknowns.iter().filter_map(of).collect()

@@ -21,11 +21,12 @@ pub(super) fn finish(
     tally: &Tally,
     observe: &mut Observer,
 ) -> Result<(), SweepError> {
-    let Ready { row, values, press_seconds, what } = ready;
+    let Ready { row, scene_sha256, values, press_seconds, what } = ready;
     let mut record = Record {
         row,
         status: State::Done,
         reason: None,
+        scene_sha256,
         values,
         figures: Vec::new(),
         traced: None,

@@ -8,7 +8,7 @@ use crate::mechanics::press::{PressError, Pressed};
 use crate::output::{Claimed, Item, OutputError, Records};
 use crate::pipeline::{Order, PipelineError, Prepared, Session, Shelf};
 use crate::progress::Observer;
-use crate::scene::LoadedScene;
+use crate::scene::{LoadedScene, sha256};
 use crate::streams::Sharing;
 use crate::trace::{Devices, Precision};
 use crate::vary::{Point, Scalar};
@@ -21,6 +21,7 @@ use std::time::Instant;
 /// A point ready to be traced, or its end.
 pub(super) struct Ready {
     pub row: usize,
+    pub scene_sha256: Option<String>,
     pub values: Vec<Scalar>,
     pub press_seconds: f64,
     pub what: Result<Scene, (State, String)>,
@@ -104,6 +105,7 @@ fn claimed(task: Task, row: usize, retry: bool, session: &mut Session, observe: 
         }
         Err(reason) => (sweep.plan.values(row), Err(Some((State::Rejected, reason)))),
     };
+    let scene_sha256 = sweep.scene_text(row).ok().map(|text| sha256(text.as_bytes()));
     // No reason: the caller stopped it.
     let what = match what {
         Ok(scene) => Ok(scene),
@@ -113,7 +115,7 @@ fn claimed(task: Task, row: usize, retry: bool, session: &mut Session, observe: 
             return Sent::Stopped;
         }
     };
-    Sent::Ready(Box::new(Ready { row, values, press_seconds: start.elapsed().as_secs_f64(), what }))
+    Sent::Ready(Box::new(Ready { row, scene_sha256, values, press_seconds: start.elapsed().as_secs_f64(), what }))
 }
 
 /// Presses a point and makes its surfaces; no reason where the caller stopped it.

@@ -37,6 +37,8 @@ pub struct Record {
     pub status: State,
     /// Why, where it has no figures.
     pub reason: Option<String>,
+    /// SHA-256 of its scene file, as `sweep scene` writes it; none where it makes none.
+    pub scene_sha256: Option<String>,
     /// A value for each variable; none where not all of them have one.
     pub values: Vec<Scalar>,
     /// Figures, in the order of the measures and their columns.

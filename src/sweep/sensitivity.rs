@@ -89,6 +89,7 @@ mod tests {
                 row,
                 status: State::Done,
                 reason: None,
+                scene_sha256: None,
                 values,
                 figures: vec![Told { value: Some(function(&x)), ..Told::default() }],
                 traced: None,

@@ -1,6 +1,7 @@
 //! What varies from point to point: keys of a scene, their values or distributions, constraints, and the design of
 //! points. Sweeps vary by it, and whatever else asks many scenes of one: each point is a valid scene of its own.
 
+mod columns;
 mod design;
 mod distribution;
 mod expression;

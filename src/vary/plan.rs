@@ -1,8 +1,9 @@
 //! From variables, constraints and a design to points, and from a point to the text of its scene.
 
+use super::columns::Columns;
 use super::design::Units;
 use super::distribution::Source;
-use super::{Design, Expression, KeyPath, MOST_POINTS, Require, Scalar, Vary};
+use super::{Design, Expression, KeyPath, Require, Scalar, Vary};
 use crate::scene::Invalid;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -103,7 +104,7 @@ impl Plan {
         let (units, count) = design.units(&lists).map_err(|why| Invalid::new("sweep.design", why))?;
         let (table, count) = match columns {
             Some(columns) => {
-                let rows = columns.of(&variables);
+                let rows = columns.of(variables.iter().map(|one| one.name.as_str()));
                 let count = rows.len();
                 (Some(rows), count)
             }
@@ -330,49 +331,6 @@ fn order(variables: &[Variable]) -> Result<Vec<usize>, Invalid> {
         left = stay;
     }
     Ok(order)
-}
-
-/// A design's table.
-struct Columns {
-    names: Vec<String>,
-    rows: Vec<Vec<Option<Scalar>>>,
-}
-
-impl Columns {
-    fn read(text: &str) -> Result<Self, String> {
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
-        let error = |error: csv::Error| format!("is no table: {error}");
-        let names: Vec<String> = reader.headers().map_err(error)?.iter().map(str::to_owned).collect();
-        if names.iter().any(String::is_empty) {
-            return Err("has a column without a name".into());
-        }
-        if let Some((_, name)) = names.iter().enumerate().find(|(k, name)| names[..*k].contains(name)) {
-            return Err(format!("has two columns {name}"));
-        }
-        let mut rows = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(error)?;
-            if let Some(cell) = record.iter().find(|cell| cell.parse::<f64>().is_ok_and(|value| !value.is_finite())) {
-                return Err(format!("holds {cell} in row {}, which is no value of a key", rows.len()));
-            }
-            rows.push(record.iter().map(|cell| (!cell.is_empty()).then(|| Scalar::of_cell(cell))).collect());
-            if rows.len() as u64 > MOST_POINTS {
-                return Err(format!("has more than {MOST_POINTS} points"));
-            }
-        }
-        match rows.is_empty() {
-            true => Err("has no points".into()),
-            false => Ok(Self { names, rows }),
-        }
-    }
-
-    /// Its rows with a cell for each variable, empty where it has no column.
-    fn of(self, variables: &[Variable]) -> Vec<Vec<Option<Scalar>>> {
-        let places: Vec<_> = variables.iter().map(|one| self.names.iter().position(|name| *name == one.name)).collect();
-        let row = |cells: Vec<Option<Scalar>>| places.iter().map(|place| cells.get((*place)?)?.clone()).collect();
-        self.rows.into_iter().map(row).collect()
-    }
 }
 
 #[cfg(test)]

@@ -111,7 +111,10 @@ fn a_sweep_ends_bit_equal_whatever_stopped_it() {
     // A point is a scene of its own: rendered by hand, it is the same scene.
     let scene = sweep(&place, &["scene", "whole", "3"]);
     assert_eq!(code(&scene), 0, "{scene:?}");
-    let scene = tirtouch::scene::parse(text(&scene.stdout), Path::new("point.toml")).unwrap().scene;
+    let tirtouch::scene::Loaded { scene, sha256, .. } =
+        tirtouch::scene::parse(text(&scene.stdout), Path::new("point.toml")).unwrap();
+    let record = std::fs::read_to_string(place.path().join("whole/items/0000003.json")).unwrap();
+    assert!(record.contains(&format!("\"scene_sha256\":\"{sha256}\"")), "{record}");
     assert_eq!(scene.stack.layer[0].n, Some(1.41));
     assert_eq!(scene.stack.layer[1].n, Some(1.41 - 0.01));
     let none = sweep(&place, &["scene", "whole", "7"]);
