@@ -78,8 +78,8 @@ fn light_at_end(end: u32) -> f32 {
 
 // A direction from LED k: x the squared sine to its normal, y the azimuth.
 fn led_direction(k: u32) -> vec2f {
-    let u = even_draw(LATTICE_POLAR, run.shift_polar);
-    let v = even_draw(LATTICE_AZIMUTH, run.shift_azimuth);
+    let u = even_draw(sobol_polar(path.number), run.scramble_polar);
+    let v = even_draw(sobol_azimuth(path.number), run.scramble_azimuth);
     if (LED_TABLES && led_table(k) != NO_TABLE) {
         var low = 0u;
         var high = TABLE_EDGE * TABLE_EDGE - 1u;
@@ -102,11 +102,11 @@ fn led_direction(k: u32) -> vec2f {
 
 // Starts a photon at an LED. GOES_ON, or how it ended before it entered the stack.
 fn launch() -> u32 {
-    let pick = even_draw(LATTICE_LED, run.shift_led);
+    let pick = even_draw(path.number, run.scramble_led);
     var k = led_picked(pick);
     if (AIMED) { k = led_picked_aimed(pick); }
-    let r = led_radius(k) * sqrt(even_draw(LATTICE_RADIUS, run.shift_radius));
-    let turn = TAU * even_draw(LATTICE_TURN, run.shift_turn);
+    let r = led_radius(k) * sqrt(even_draw(sobol_radius(path.number), run.scramble_radius));
+    let turn = TAU * even_draw(sobol_turn(path.number), run.scramble_turn);
     let along = led_along(k) + r * cos(turn);
     let z = led_height(k) + r * sin(turn);
     let direction = led_direction(k);
@@ -151,7 +151,7 @@ fn launch() -> u32 {
     let dn_sq = -layer_side_dn_sq(path.layer);
     let b_sq = dn_sq + a * a;
     let f = reflectance(a, dn_sq, n_sq);
-    let u = even_draw(LATTICE_SIDE, run.shift_side);
+    let u = even_draw(sobol_side(path.number), run.scramble_side);
     record(EVENT_WALL + wall * 2u + select(1u, 0u, u < f), abs(u - f));
     if (u < f) { return END_SIDES; }
     path.p -= (sqrt(b_sq) - a) * out;

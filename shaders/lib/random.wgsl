@@ -12,7 +12,7 @@ fn pcg3d(v0: vec3u) -> vec3u {
 fn start_random(a: u32, b: u32) {
     path.key = pcg3d(vec3u(run.seed, a, b)).xy;
     path.draws = 0u;
-    path.place = reverseBits((b << 14u) + a);
+    path.number = (b << 14u) + a;
 }
 
 // Uniform in [0, 1), 24 bits.
@@ -25,11 +25,13 @@ fn draw() -> f32 {
     return f32(h >> 8u) * 5.9604644775390625e-8;
 }
 
-// Uniform in [0, 1), 24 bits, and even over the paths of a seed: the coordinate with generator z of a rank-1 lattice
-// sequence (Hickernell, Hong, L'Ecuyer and Lemieux, SIAM J. Sci. Comput. 22, 1117, 2000) with a random shift (Cranley
-// and Patterson 1976). Paths (a, b) are numbered a + 2^14 b. The generators 1, 761135, 257481, 617715, 488567, 94035
-// were found component by component for 2^10 to 2^18 points; `random.rs` tests them, and gives the shifts.
-fn even_draw(z: u32, shift: u32) -> f32 {
-    let h = path.place * z + shift;
-    return f32(h >> 8u) * 5.9604644775390625e-8;
+// Uniform in [0, 1), 24 bits, and even over the paths of a seed: a coordinate of point `path.number` of Sobol's
+// sequence, scrambled. `src/trace/launch.rs` writes the points and says whose they are.
+fn even_draw(point: u32, scramble: u32) -> f32 {
+    var y = point;
+    y ^= y * 0x3d20adeau;
+    y = (y + scramble) * ((scramble >> 16u) | 1u);
+    y ^= y * 0x05526c56u;
+    y ^= y * 0x53a22864u;
+    return f32(reverseBits(y) >> 8u) * 5.9604644775390625e-8;
 }

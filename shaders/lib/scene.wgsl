@@ -46,12 +46,12 @@ struct Run {
     threads: u32,     // in a row: the threads of the next row take the `samples` photons of each after these
     samples: u32,     // paths per pixel, or photons per thread
     first_sample: u32,
-    shift_led: u32,   // of the launch's lattice along its coordinates
-    shift_radius: u32,
-    shift_turn: u32,
-    shift_polar: u32,
-    shift_azimuth: u32,
-    shift_side: u32,
+    scramble_led: u32,   // of the launches' coordinates
+    scramble_radius: u32,
+    scramble_turn: u32,
+    scramble_polar: u32,
+    scramble_azimuth: u32,
+    scramble_side: u32,
 }
 
 // Layers, interfaces and LEDs are read through functions such as `face_z(i)`, which the host writes into the text: a
@@ -81,7 +81,7 @@ struct Path {
     weight: f32,
     key: vec2u,
     draws: u32,
-    place: u32,        // in the lattice of the launch
+    number: u32,       // of the launch
     bounces: u32,
     wall: u32,         // 0 +x, 1 -x, 2 +y, 3 -y: where the walk met a wall
     turns: u32,        // reflections at outer faces; with STRAY, others too

@@ -57,18 +57,6 @@ shared! {
     /// is lost by them.
     REFLECTED: f64 = 0.2;
 
-    /// Generators of the launch's lattice: the choice of the LED.
-    LATTICE_LED: u32 = 1;
-    /// The place's distance from the LED's centre.
-    LATTICE_RADIUS: u32 = 761_135;
-    /// Its azimuth there.
-    LATTICE_TURN: u32 = 257_481;
-    /// The direction's angle to the normal.
-    LATTICE_POLAR: u32 = 617_715;
-    /// The direction's azimuth.
-    LATTICE_AZIMUTH: u32 = 488_567;
-    /// Whether a clear wall reflects it.
-    LATTICE_SIDE: u32 = 94_035;
     /// Cells of an intensity table along sin^2(theta) and along the azimuth.
     TABLE_EDGE: usize = 64;
     /// In place of a table's first entry.
@@ -220,7 +208,6 @@ mod tests {
         for (name, twin) in [("LEAST_EYE_TOUCHED", LEAST_EYE_TOUCHED), ("STEPPED_OVER", STEPPED_OVER), ("FAR", FAR)] {
             assert_eq!(value(name), f64::from(twin as f32), "{name}");
         }
-        assert_eq!(value("LATTICE_TURN"), f64::from(LATTICE_TURN));
         assert_eq!((value("END_ASTRAY"), value("BOOK_SLOTS")), (10.0, 10.0));
         assert_eq!(value("STRAY"), 2_147_483_648.0);
     }

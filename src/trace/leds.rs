@@ -324,7 +324,7 @@ mod tests {
                 model.aimed_share,
                 towards(&model, true)
             );
-            // 1/6 of 65,536 lattice points: random ones would leave 1.2 %.
+            // 1/6 of 65,536 even launches: random ones would leave 1.2 %.
             assert!(miss(&model).abs() < 5e-3, "{center:?}: {}", miss(&model));
             // Light between narrower sines misses some of the disc.
             let mut narrow = model.clone();

@@ -30,6 +30,7 @@ mod finite;
 pub mod gains;
 pub mod gpu;
 pub mod kernel;
+pub mod launch;
 pub mod leds;
 pub mod model;
 pub mod modes;

@@ -26,11 +26,26 @@ fn walk_through<T: Real>(path: &mut Path<T>) -> End {
     }
 }
 
+/// Share of the directions in a box of index n that all its sides reflect totally: its upper one against `above`, the
+/// others against air. None that comes from outside gets there, nor leaves. Of directions that lean by z to the plane
+/// those are left whose parts along both other axes, cos and sin times s = sqrt(1 - z^2), stay below
+/// a = sqrt(1 - 1/n^2).
+fn held(n: f64, above: f64) -> f64 {
+    const STEPS: usize = 10_000;
+    let [most, flattest] = [1.0, above].map(|other| (1.0 - (other / n).powi(2)).max(0.0).sqrt());
+    let at = |k: usize| {
+        let z = flattest * (k as f64 + 0.5) / STEPS as f64;
+        let beyond = (most / (1.0 - z * z).sqrt()).min(1.0).acos();
+        (1.0 - 4.0 / PI * beyond).max(0.0)
+    };
+    flattest * (0..STEPS).map(at).sum::<f64>() / STEPS as f64
+}
+
 /// A lossless body of volume V_k in layers of index n_k, in the uniform radiance L of air outside, holds n_k^2 L in
 /// each layer. So the light that goes in, pi L times the surface, runs 4 pi n_k^2 L V_k mm in layer k: the mean length
 /// of a path there is 4 n_k^2 V_k over the surface, whatever scatters it (Blanco and Fournier 2003 for n = 1). This is
 /// Fresnel, refraction, total reflection, walls and tissue in one number; a face that reflects 1 % more from one side
-/// than from the other moves it by 1 %.
+/// than from the other moves it by 1 %. The lowest layer holds 1.8 % less, in directions that nothing mixes.
 #[test]
 fn uniform_light_from_outside_fills_each_layer_with_n_squared_times_its_radiance() {
     let [width, depth] = [5.0, 4.0];
@@ -54,7 +69,7 @@ fn uniform_light_from_outside_fills_each_layer_with_n_squared_times_its_radiance
         // Each trial sends one path in through the bottom and one from an LED through a wall; those of its disc that
         // lie beside the wall do not count. Each is weighted by the area it stands for.
         let discs = 4.0 * PI * 0.25 * diameter * diameter;
-        let n = 1u64 << 17;
+        let n = 1u64 << 19;
         let [sum, squares] = bench::sums(&model, 11, n, |path| {
             let length = |path: &Path<f64>| -path.weight.ln() / mu;
             let (u, v) = (path.draw(), path.draw());
@@ -76,9 +91,11 @@ fn uniform_light_from_outside_fills_each_layer_with_n_squared_times_its_radiance
         let mean = sum / n as f64;
         let four = 4.0 * ((squares / n as f64 - mean * mean) / n as f64).sqrt();
         let [thickness, index] = layers[measured];
-        let exact = 4.0 * index * index * width * depth * thickness;
-        // Two digits: 4 standard errors are to stay below 2 %.
-        assert!(four < 0.02 * exact, "{four} of {exact}");
+        // Tissue mixes all directions of the first layer; the second is optically thinner than its neighbours.
+        let held = if measured == 2 { held(index, layers[1][1]) } else { 0.0 };
+        let exact = 4.0 * index * index * width * depth * thickness * (1.0 - held);
+        // 4 standard errors are to stay below 1 %.
+        assert!(four < 0.01 * exact, "{four} of {exact}");
         close(&format!("mean length in layer {measured}"), mean, exact, four);
     }
 }

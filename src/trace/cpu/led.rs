@@ -2,11 +2,9 @@
 
 use super::fresnel::reflectance;
 use super::{End, Path, V3};
-use crate::trace::constants::{
-    EVENT_LED, EVENT_WALL, LATTICE_AZIMUTH, LATTICE_LED, LATTICE_POLAR, LATTICE_RADIUS, LATTICE_SIDE, LATTICE_TURN,
-    TABLE_EDGE,
-};
+use crate::trace::constants::{EVENT_LED, EVENT_WALL, TABLE_EDGE};
 use crate::trace::cpu::vec3::v3;
+use crate::trace::launch;
 use crate::trace::leds::Led;
 use crate::trace::model::Real;
 use std::f64::consts::TAU;
@@ -87,7 +85,7 @@ impl<T: Real> Path<'_, T> {
 
     /// Squared sine to the disc's normal, and azimuth.
     fn led_direction(&mut self, led: &Led<T>) -> (T, T) {
-        let (u, v) = (self.even_draw(LATTICE_POLAR), self.even_draw(LATTICE_AZIMUTH));
+        let (u, v) = (self.even_draw(launch::POLAR), self.even_draw(launch::AZIMUTH));
         if let Some(table) = led.table {
             let cells = &self.model.led_tables[table..table + TABLE_EDGE * TABLE_EDGE];
             let cell = cells.partition_point(|c| c[1] <= u).min(cells.len() - 1);
@@ -105,13 +103,13 @@ impl<T: Real> Path<'_, T> {
     /// Starts a photon at an LED.
     pub fn launch(&mut self) -> End {
         let (zero, one) = (T::zero(), T::one());
-        let pick = self.even_draw(LATTICE_LED);
+        let pick = self.even_draw(launch::LED);
         let leds = &self.model.leds;
         let share = |l: &Led<T>| if self.aimed { l.cumulative_aimed } else { l.cumulative };
         let k = leds.iter().position(|l| pick < share(l)).unwrap_or(leds.len() - 1);
         let led = &leds[k];
-        let r = led.radius * self.even_draw(LATTICE_RADIUS).sqrt();
-        let turn = T::of(TAU) * self.even_draw(LATTICE_TURN);
+        let r = led.radius * self.even_draw(launch::RADIUS).sqrt();
+        let turn = T::of(TAU) * self.even_draw(launch::TURN);
         let along = led.along + r * turn.cos();
         let z = led.height + r * turn.sin();
         let (sin_sq, azimuth) = self.led_direction(led);
@@ -160,7 +158,7 @@ impl<T: Real> Path<'_, T> {
         let dn_sq = -layer.side_dn_sq;
         let b_sq = dn_sq + a * a;
         let f = reflectance(a, dn_sq, self.model.surround_n * self.model.surround_n);
-        let u = self.even_draw(LATTICE_SIDE);
+        let u = self.even_draw(launch::SIDE);
         self.record(EVENT_WALL + led.wall * 2 + u32::from(u >= f), (u - f).abs());
         if u < f {
             return End::Sides;

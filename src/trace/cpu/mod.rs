@@ -77,9 +77,9 @@ pub struct Path<'m, T: Real> {
     pub key: [u32; 2],
     /// Numbers drawn.
     pub draws: u32,
-    /// Place in the lattice of the launch.
-    pub place: u32,
-    /// Seed of the lattice's shift.
+    /// Number of the launch.
+    pub number: u32,
+    /// Seed of the launches.
     pub seed: u32,
     /// Whether it comes from the camera and ends at tissue.
     pub eye: bool,
@@ -122,7 +122,7 @@ impl<'m, T: Real> Path<'m, T> {
             weight: T::one(),
             key: [0; 2],
             draws: 0,
-            place: 0,
+            number: 0,
             eye: false,
             aimed: false,
             seed: 0,

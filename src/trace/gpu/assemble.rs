@@ -18,6 +18,7 @@ use super::layout::{self, Numbers, Wgsl as _};
 use crate::trace::constants;
 use crate::trace::cpu::Limits;
 use crate::trace::kernel::{Kernel, ShapePiece};
+use crate::trace::launch;
 use crate::trace::leds::Led;
 use crate::trace::model::{Deformation, Face, Heights, Layer, Model};
 use crate::trace::modes::{CameraMode, PhotonMode};
@@ -44,11 +45,12 @@ pub enum Entry {
 pub fn source(model: &Model<f32>, entry: Entry, recording: bool) -> (String, Numbers) {
     let kernel = Kernel::of(model);
     let (accessors, numbers) = accessors(model);
-    let shared = constants::wgsl();
+    let (shared, launches) = (constants::wgsl(), launch::wgsl());
     let mut pieces = vec![
         shared.as_str(),
         piece!("lib/scene"),
         accessors.as_str(),
+        launches.as_str(),
         piece!("lib/random"),
         piece!("lib/fresnel"),
         piece!("lib/fixed_point"),

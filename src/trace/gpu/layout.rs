@@ -1,9 +1,6 @@
 //! The structs of the shaders, member for member as in `scene.wgsl`; a test holds them to naga's offsets.
 
-use crate::trace::constants::{
-    LATTICE_AZIMUTH, LATTICE_LED, LATTICE_POLAR, LATTICE_RADIUS, LATTICE_SIDE, LATTICE_TURN,
-};
-use crate::trace::cpu::random::shift;
+use crate::trace::launch::{self, scramble};
 use crate::trace::model::{Deformation, Heights, Model};
 use crate::trace::scatter::Scatter;
 use bytemuck::{Pod, Zeroable};
@@ -116,12 +113,12 @@ shader_struct! {
     /// `Run` of `scene.wgsl`.
     Run {
         seed: u32, first: u32, count: u32, threads: u32, samples: u32, first_sample: u32,
-        shift_led: u32, shift_radius: u32, shift_turn: u32, shift_polar: u32, shift_azimuth: u32, shift_side: u32,
+        scramble_led: u32, scramble_radius: u32, scramble_turn: u32, scramble_polar: u32, scramble_azimuth: u32, scramble_side: u32,
     }
 }
 
 impl Run {
-    /// Numbers of a submission, with the shifts of its seed's lattice.
+    /// Numbers of a submission, with what scrambles its seed's launches.
     pub fn of(seed: u32, [first, count]: [u32; 2], [first_sample, samples]: [u32; 2]) -> Self {
         Self {
             seed,
@@ -130,12 +127,12 @@ impl Run {
             threads: count,
             samples,
             first_sample,
-            shift_led: shift(seed, LATTICE_LED),
-            shift_radius: shift(seed, LATTICE_RADIUS),
-            shift_turn: shift(seed, LATTICE_TURN),
-            shift_polar: shift(seed, LATTICE_POLAR),
-            shift_azimuth: shift(seed, LATTICE_AZIMUTH),
-            shift_side: shift(seed, LATTICE_SIDE),
+            scramble_led: scramble(seed, launch::LED),
+            scramble_radius: scramble(seed, launch::RADIUS),
+            scramble_turn: scramble(seed, launch::TURN),
+            scramble_polar: scramble(seed, launch::POLAR),
+            scramble_azimuth: scramble(seed, launch::AZIMUTH),
+            scramble_side: scramble(seed, launch::SIDE),
         }
     }
 }
