@@ -1,6 +1,6 @@
 //! The file of a calibration: the sweeps that it is learnt from, and the way from it to what is learnt.
 
-use super::{CalibrateError, FrameModel, Training};
+use super::{CalibrateError, FrameModel, Odd, Training};
 use crate::scene::{Invalid, SceneError, parse_file, read_text};
 use crate::sweep::{self, SweepFolderError};
 use schemars::JsonSchema;
@@ -83,6 +83,14 @@ impl Trainings {
     /// As [`FrameModel::learn`].
     pub fn learn(&self) -> Result<FrameModel, CalibrateError> {
         FrameModel::learn(&self.design, self.leds.as_ref(), self.empty.as_ref())
+    }
+
+    /// Phantoms that do not go with the others of what it was learnt from.
+    ///
+    /// # Errors
+    /// As [`FrameModel::odd`].
+    pub fn odd(&self, model: &FrameModel) -> Result<Vec<Odd>, CalibrateError> {
+        model.odd(&self.design)
     }
 }
 

@@ -22,7 +22,7 @@ pub use estimates::{Inferred, InferredUnknown, LedPower};
 pub use file::{CalibrationFile, Folders, Parts, Trainings};
 pub(crate) use frames::SAME_DEPTH;
 pub use frames::{FORCE_ERROR, Frames, PressFrame, Presses, check_depths, check_forces};
-pub use model::FrameModel;
+pub use model::{FrameModel, Odd, odd_text};
 pub use ready::{estimates_of, ready};
 pub use training::Training;
 pub(crate) use training::sweep_of;

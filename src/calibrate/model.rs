@@ -15,6 +15,28 @@ pub(super) const LED_SPREAD: f64 = 0.03;
 /// Share of all power that one LED has where it is lit alone.
 const LIT_ALONE: f64 = 0.999;
 
+/// Standard deviations by which a phantom's worst score may be off where it is left out: of 500 phantoms and 10 scores
+/// one of 350 designs has such a one by noise.
+const ODD: f64 = 5.0;
+
+/// A phantom that does not go with the others.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Odd {
+    /// Its row in the sweep.
+    pub row: usize,
+    /// Standard deviations by which its worst score is off.
+    pub off: f64,
+}
+
+/// What is said of them, after how many were learnt from.
+pub fn odd_text(odd: &[Odd]) -> String {
+    if odd.is_empty() {
+        return String::new();
+    }
+    let rows: Vec<String> = odd.iter().map(|one| format!("{} ({:.0})", one.row, one.off)).collect();
+    format!("\nnot like the others, by standard deviations: rows {}; look at their images", rows.join(", "))
+}
+
 /// What an unknown is of an inclusion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -55,7 +77,7 @@ impl FrameModel {
     pub fn learn(design: &Training, leds: Option<&Training>, empty: Option<&Training>) -> Result<Self, CalibrateError> {
         let total = design.blocks.total();
         let places = (0..design.depths_mm.len()).flat_map(|load| (0..total).map(move |block| [load, block]));
-        let of = |light: &[f64], [load, block]: [usize; 2]| light.get(load * total + block).copied().unwrap_or(0.0);
+        let of = |light: &[f64], place: [usize; 2]| at(light, place, total);
         let brightest =
             |light: &[f64], load: usize| light.iter().skip(load * total).take(total).copied().fold(0.0, f64::max);
         let others = leds.into_iter().chain(empty);
@@ -78,10 +100,7 @@ impl FrameModel {
         if elements.is_empty() {
             return Err(unsuited(design, "has no part of a frame that all phantoms light"));
         }
-        let logs = |training: &Training| -> Vec<Vec<f64>> {
-            let vector = |light: &Vec<f64>| elements.iter().map(|place| of(light, *place).ln()).collect();
-            training.light.iter().map(vector).collect()
-        };
+        let logs = |training: &Training| vectors(training, &elements);
         let weights = weights(&elements, &design.errors, total);
         let mut learnt = Learnt::from(design.unknowns.clone(), &design.points, &logs(design), weights)?;
         if learnt.directions.is_empty() {
@@ -127,6 +146,17 @@ impl FrameModel {
             learnt,
             empty: without,
         })
+    }
+
+    /// Phantoms that it was learnt from and that do not go with the others: their frames are farther off where they are
+    /// left out than noise would be in thousands of designs.
+    ///
+    /// # Errors
+    /// A calibration that was learnt from others.
+    pub fn odd(&self, design: &Training) -> Result<Vec<Odd>, CalibrateError> {
+        let off = self.learnt.left_out(&vectors(design, &self.elements))?;
+        let all = design.rows.iter().zip(off).map(|(&row, off)| Odd { row, off });
+        Ok(all.filter(|one| one.off > ODD).collect())
     }
 
     /// Reads a calibration from a file.
@@ -244,6 +274,18 @@ impl FrameModel {
         let process = process.ok_or("the calibration knows no forces: learn it anew")?;
         Ok((place, error.powi(2) + process.noise().powi(2)))
     }
+}
+
+/// Light of a block at a load, of frames of so many blocks a load.
+fn at(light: &[f64], [load, block]: [usize; 2], total: usize) -> f64 {
+    light.get(load * total + block).copied().unwrap_or(0.0)
+}
+
+/// Logarithms of the light of each element, of each point.
+fn vectors(training: &Training, elements: &[[usize; 2]]) -> Vec<Vec<f64>> {
+    let total = training.blocks.total();
+    let vector = |light: &Vec<f64>| elements.iter().map(|place| at(light, *place, total).ln()).collect();
+    training.light.iter().map(vector).collect()
 }
 
 /// One over the error of each element's own block at its load, which has so many blocks.

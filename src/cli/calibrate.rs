@@ -4,8 +4,8 @@ use super::calibrate_sensor;
 use super::command::described;
 use super::flags::positive;
 use super::sweep::How;
-use super::{Failure, Outcome, cancel, note};
-use crate::calibrate::{CalibrationFile, FrameModel, Protocol};
+use super::{Failure, Outcome, cancel};
+use crate::calibrate::{CalibrationFile, FrameModel, Protocol, odd_text};
 use crate::pages::bound;
 use crate::scene::is_scene;
 use clap::Args;
@@ -52,23 +52,20 @@ impl Calibrate {
         let out = self.how.place.named(&self.calibration.file_stem().unwrap_or_default().to_string_lossy());
         let folders = self.how.parts(&out, |work| parts.folders(work))?;
         if !folders.is_whole {
-            let told = json!({"phantoms": null, "scores": null, "file": null});
+            let told = json!({"phantoms": null, "scores": null, "odd": null, "file": null});
             let next = "the same command without --engine and --shard goes on, and learns";
             let said = format!("{}: not all points are there yet; {next}", out.display());
             return self.how.talk.tell(described(told, Some(&out)), said);
         }
         let trainings = folders.read()?;
         let phantoms = trainings.design.points.len();
-        if !self.how.talk.quiet {
-            note(&format!("learning from {phantoms} phantoms"));
-        }
+        self.how.talk.note(&format!("learning from {phantoms} phantoms"));
         let (model, file) = (trainings.learn()?, out.join("calibration.json"));
         model.write(&file)?;
-        let told = json!({"phantoms": phantoms, "scores": model.scores(), "file": file});
-        self.how.talk.tell(
-            described(told, Some(&out)),
-            format!("learnt from {phantoms} phantoms, by {} scores\n{}", model.scores(), file.display()),
-        )
+        let odd = trainings.odd(&model)?;
+        let told = json!({"phantoms": phantoms, "scores": model.scores(), "odd": odd, "file": file});
+        let said = format!("learnt from {phantoms} phantoms, by {} scores{}", model.scores(), odd_text(&odd));
+        self.how.talk.tell(described(told, Some(&out)), format!("{said}\n{}", file.display()))
     }
 
     /// Bounds by the calibration, for inclusions over its range.

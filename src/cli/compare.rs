@@ -2,7 +2,7 @@
 
 use super::command;
 use super::flags::{not_negative, probability};
-use super::{Failure, Outcome, Talk, note, print};
+use super::{Failure, Outcome, Talk, print};
 use crate::film::Film;
 use crate::film::compare::{CompareError, Tolerance, deviations};
 use crate::image_io::Pair;
@@ -51,10 +51,9 @@ impl Compare {
             true => self.strict.judge(&pair.a, &pair.b).map_err(refused)?,
             false => {
                 let comparison = pair.compare(self.level).map_err(refused)?;
-                if comparison.paired.is_none() && pair.may_share_random_numbers() && !self.talk.quiet {
-                    note(
-                        "both images have the same random numbers (scene, seed and integrator): equal noise hides \
-                         differences",
+                if comparison.paired.is_none() && pair.may_share_random_numbers() {
+                    self.talk.note(
+                        "both have the same random numbers (scene, seed, integrator): equal noise hides differences",
                     );
                 }
                 (comparison.passed, json!(comparison), comparison::table(&comparison))

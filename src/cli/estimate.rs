@@ -2,7 +2,7 @@
 
 use super::flags::positive;
 use super::measure::Reading;
-use super::{Failure, Outcome, Talk, note};
+use super::{Failure, Outcome, Talk};
 use crate::calibrate::{FORCE_ERROR, FrameModel, Frames, Inferred, Presses, check_depths, check_forces, ready};
 use crate::estimate::{Calibration, Estimates, GreyImage};
 use crate::pages::images::{Measured, json, relative_stiffness, text};
@@ -107,8 +107,8 @@ impl Estimate {
 
     fn read(&self, files: &FrameFiles, file: &Path) -> Result<GreyImage, Failure> {
         let (image, linear) = files.read(file)?;
-        if linear && !self.talk.quiet {
-            note(&format!(
+        if linear {
+            self.talk.note(&format!(
                 "{}: an EXR has no grey levels: its values are taken as they are, and so is the threshold; \
                  `--exposure SCENE` exposes it",
                 file.display()

@@ -3,7 +3,7 @@
 use super::command;
 use super::flags::{Place, positive};
 use super::job::note_exposure;
-use super::{Failure, Outcome, Talk, note};
+use super::{Failure, Outcome, Talk};
 use crate::image_io::read_radiance;
 use crate::pages::exposure::{Exposure, changed};
 use crate::scene::{LoadedScene, load_alone, open};
@@ -46,8 +46,9 @@ impl Expose {
         };
         let (film, provenance) = read_radiance(&image)?;
         let other = provenance.as_ref().is_some_and(|origin| origin.scene_sha256 != sha256);
-        if other && !self.talk.quiet {
-            note(&format!("{}: was rendered of another scene file; the camera is that of this one", image.display()));
+        if other {
+            let what = "was rendered of another scene file; the camera is that of this one";
+            self.talk.note(&format!("{}: {what}", image.display()));
         }
         let exposure = Exposure::of(loaded, &film, provenance.as_ref(), self.seed)
             .map_err(|error| Failure::input(format!("{}: {error}", image.display())).in_file(&image))?;

@@ -28,6 +28,13 @@ impl Talk {
         print(&if self.json { json.to_string() } else { words.to_string() })?;
         Ok(Outcome::Done)
     }
+
+    /// Notes something on the way, unless `quiet`.
+    pub(super) fn note(&self, line: &str) {
+        if !self.quiet {
+            note(line);
+        }
+    }
 }
 
 /// The folder that a command writes.

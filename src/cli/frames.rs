@@ -3,7 +3,7 @@
 use super::command;
 use super::flags::{Place, finite, not_negative, positive};
 use super::job::watching;
-use super::{Failure, Outcome, Talk, note};
+use super::{Failure, Outcome, Talk};
 use crate::estimate::tissue::{self, Question, noisy};
 use crate::mechanics::frames::FramesError;
 use crate::pages::frames::{Input, Pictures, Reading};
@@ -81,9 +81,7 @@ impl FramesCommand {
         };
         let tissue = known.as_ref().map(seek).transpose()?;
         let reading = Reading { source, features, window_mm, noise_kpa, shown, tissue, noisy };
-        if !self.talk.quiet {
-            reading.notes().iter().for_each(|line| note(line));
-        }
+        reading.notes().iter().for_each(|line| self.talk.note(line));
         let pictures = Pictures::draw(&reading)?;
         reading.write(&folder, &pictures)?;
         let done = command::commit(folder, reading.source.scene_text.as_deref(), reading.json())?;

@@ -3,7 +3,7 @@
 use super::command::{self, described};
 use super::flags::one_of;
 use super::job::watched;
-use super::{Failure, Outcome, Talk, note};
+use super::{Failure, Outcome, Talk};
 use crate::output::OutputFolder;
 use crate::pages::stability::{pictures, table};
 use crate::stability::{Context, Tracer, membrane, run};
@@ -66,9 +66,7 @@ impl Stability {
                 Ok((vec![Tracer::gpu(), Tracer::twin()], Some(name)))
             }
             Err(TraceError::NoAdapter) if self.backend == BackendChoice::Auto => {
-                if !self.talk.quiet {
-                    note("no GPU adapter found: only the CPU tracer is checked");
-                }
+                self.talk.note("no GPU adapter found: only the CPU tracer is checked");
                 Ok((vec![Tracer::twin()], None))
             }
             Err(error) => Err(error.into()),

@@ -3,7 +3,7 @@
 use super::command::{command_line, described};
 use super::job::watching;
 use super::sweep::How;
-use super::{Failure, Outcome, note};
+use super::{Failure, Outcome};
 use crate::output::{RESULT, Records};
 use crate::pages::study::{About, Folders};
 use crate::study::{Parts, Reader, StudyFile};
@@ -46,8 +46,8 @@ impl Study {
             let empty = parts.empty.as_deref().map(|empty| work.part(empty, "empty")).transpose()?;
             Ok((Folders { phantoms, empty }, work.is_whole))
         })?;
-        if !is_whole && !self.how.talk.quiet {
-            note("not all points are there yet: the study is of those that are");
+        if !is_whole {
+            self.how.talk.note("not all points are there yet: the study is of those that are");
         }
         Ok(folders)
     }

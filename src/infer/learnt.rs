@@ -140,18 +140,36 @@ impl Learnt {
         points: &[Vec<f64>],
         vectors: &[Vec<f64>],
     ) -> Result<Scored, FitError> {
-        let score = |vector: &Vec<f64>, direction: &Vec<f64>| -> f64 {
-            let weighted = vector.iter().zip(&self.weights).zip(&self.mean).map(|((v, w), mean)| v * w - mean);
-            weighted.zip(direction).map(|(v, d)| v * d).sum()
-        };
         let processes = self.directions.par_iter().map(|direction| {
-            let scores: Vec<f64> = vectors.iter().map(|vector| score(vector, direction)).collect();
+            let scores: Vec<f64> = vectors.iter().map(|vector| self.score(vector, direction)).collect();
             let process = GaussianProcess::fit(points, &scores)?;
             let left_out = process.left_out(&scores)?;
             Ok((of_prediction(&process, &left_out), process))
         });
         let (variances, processes) = processes.collect::<Result<Vec<_>, FitError>>()?.into_iter().unzip();
         Ok(Scored { unknowns, processes, variances })
+    }
+
+    /// By how many standard deviations each point's worst score is off where it is left out; vectors at the points that
+    /// all was learnt from.
+    ///
+    /// # Errors
+    /// As [`Self::from`].
+    pub fn left_out(&self, vectors: &[Vec<f64>]) -> Result<Vec<f64>, FitError> {
+        let off = self.directions.par_iter().zip(&self.scored.processes).map(|(direction, process)| {
+            let scores: Vec<f64> = vectors.iter().map(|vector| self.score(vector, direction)).collect();
+            let left_out = process.left_out(&scores)?;
+            Ok(left_out.iter().map(|left| left.value.abs() / left.variance.sqrt()).collect())
+        });
+        let off = off.collect::<Result<Vec<Vec<f64>>, FitError>>()?;
+        let worst = |point: usize| off.iter().filter_map(|score| score.get(point).copied()).fold(0.0, f64::max);
+        Ok((0..vectors.len()).map(worst).collect())
+    }
+
+    /// A score of a vector of logarithms of light.
+    fn score(&self, vector: &[f64], direction: &[f64]) -> f64 {
+        let weighted = vector.iter().zip(&self.weights).zip(&self.mean).map(|((v, w), mean)| v * w - mean);
+        weighted.zip(direction).map(|(v, d)| v * d).sum()
     }
 
     /// The vector of logarithms of light that has these scores.

@@ -219,3 +219,21 @@ fn ranks_are_those_among_what_truths_are_drawn_from() {
     assert!((below(&[None, Some([2.0, 5.0])]).unwrap() - 0.45).abs() < 0.002);
     assert_eq!(below(&[Some([2.0, 3.0]), None]), None);
 }
+
+/// Frames that are another phantom's are told, and none of those that are in their places.
+#[test]
+fn frames_that_do_not_go_with_the_others_are_told() {
+    let mut random = PixelRandom::new(7, 0);
+    let points: Vec<Vec<f64>> = (0..150).map(|_| drawn(&mut random)).collect();
+    let mut vectors: Vec<Vec<f64>> = points.iter().map(|p| noisy(light(p), 0.01, 0.002, &mut random)).collect();
+    let off = |vectors: &[Vec<f64>]| {
+        let learnt = Learnt::from(unknowns(), &points, vectors, vec![100.0; LENGTH]).unwrap();
+        learnt.left_out(vectors).unwrap()
+    };
+    let most = |off: &[f64]| off.iter().copied().fold(0.0, f64::max);
+    let clean = off(&vectors);
+    assert!(most(&clean) < 5.0, "{clean:?}");
+    vectors[7] = vectors[8].clone();
+    let faulty = off(&vectors);
+    assert!(faulty[7] > 5.0 && faulty[7] == most(&faulty), "{faulty:?}");
+}
