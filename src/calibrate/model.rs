@@ -16,7 +16,7 @@ pub(super) const LED_SPREAD: f64 = 0.03;
 const LIT_ALONE: f64 = 0.999;
 
 /// Standard deviations by which a phantom's worst score may be off where it is left out: of 500 phantoms and 10 scores
-/// one of 350 designs has such a one by noise.
+/// one of 350 designs has such a one by noise, were it normal. A hint where to look, and no verdict.
 const ODD: f64 = 5.0;
 
 /// A phantom that does not go with the others.
@@ -148,8 +148,8 @@ impl FrameModel {
         })
     }
 
-    /// Phantoms that it was learnt from and that do not go with the others: their frames are farther off where they are
-    /// left out than noise would be in thousands of designs.
+    /// Phantoms that it was learnt from and that do not go with the others: where they are left out a score is farther
+    /// off than noise that is normal would be.
     ///
     /// # Errors
     /// A calibration that was learnt from others.
