@@ -41,6 +41,13 @@ impl Blocks {
         blocks
     }
 
+    /// The first of a block and its mirror images.
+    pub fn first_image(&self, block: usize) -> usize {
+        let [columns, rows] = self.count.map(|count| count as usize);
+        let [column, row] = [block % columns, block / columns];
+        row.min(rows - 1 - row) * columns + column.min(columns - 1 - column)
+    }
+
     /// Mean of an image over each block.
     pub fn means(&self, image: &[f64], pixels: [u32; 2]) -> Vec<f64> {
         let mean = |block: Vec<usize>| {
@@ -70,5 +77,9 @@ mod tests {
         let (fine, coarse) = (blocks.means(&slope(348, 261), [348, 261]), blocks.means(&slope(116, 87), [116, 87]));
         assert!(fine.iter().zip(&coarse).all(|(a, b)| (a - b).abs() < 1e-12));
         assert!((fine[30] - 1.5 / 29.0).abs() < 1e-12);
+        // Its corners, and a middle of even and odd sides.
+        assert!([0, 28, 28 * 29, 28 * 29 + 28].iter().all(|&corner| blocks.first_image(corner) == 0));
+        assert_eq!(blocks.first_image(14 * 29 + 15), 14 * 29 + 13);
+        assert_eq!(Blocks { count: [24, 18] }.first_image(9 * 24 + 12), 8 * 24 + 11);
     }
 }

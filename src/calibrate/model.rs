@@ -102,7 +102,8 @@ impl FrameModel {
         }
         let logs = |training: &Training| vectors(training, &elements);
         let weights = weights(&elements, &design.errors, total);
-        let mut learnt = Learnt::from(design.unknowns.clone(), &design.points, &logs(design), weights)?;
+        let alike = elements.iter().map(|[load, block]| load * total + design.blocks.first_image(*block)).collect();
+        let mut learnt = Learnt::from(design.unknowns.clone(), &design.points, &logs(design), weights, alike)?;
         if learnt.directions.is_empty() {
             return Err(unsuited(design, "has frames that do not follow what was drawn"));
         }

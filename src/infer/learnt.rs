@@ -3,12 +3,14 @@
 //! Frames are one long vector y of logarithms of light. Weighted by its noise, y = mean + sum_k s_k(x) phi_k + noise:
 //! few principal components hold what follows the unknowns x, each score a Gaussian process of x. What training images
 //! have beside that is the noise of their light; its covariance is kept by its own components, so that a seen frame's
-//! light may be as noisy, less or more, by one factor.
+//! light may be as noisy, less or more, by one factor. Images may be their own mirror images, noise and all, where others
+//! are not; scores follow what mirror images have in common, and so the factor is told by that alone.
 
 use super::unknown::Unknown;
 use crate::emulate::{Components, FitError, GaussianProcess, Predicted};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize, Serializer};
+use std::collections::HashMap;
 
 /// Components that are tried, at most, and points for each.
 const MOST_TRIED: usize = 16;
@@ -48,6 +50,10 @@ pub struct Learnt {
     pub noise: Vec<Vec<f64>>,
     /// Variance of an element's noise beyond.
     pub rest: f64,
+    /// Which elements are one another's mirror images: those of one number.
+    pub alike: Vec<usize>,
+    /// As `rest`, of what these have in common.
+    pub rest_alike: f64,
     /// What else may vary, to first order: changes of the weighted vector by one standard deviation.
     pub nuisances: Vec<Nuisance>,
 }
@@ -63,7 +69,7 @@ pub struct Nuisance {
 }
 
 impl Learnt {
-    /// Learns from vectors at points, each point a coordinate for every unknown.
+    /// Learns from vectors at points, each point a coordinate for every unknown; `alike` as [`Self::alike`].
     ///
     /// # Errors
     /// Too few points, points that do not tell the unknowns apart.
@@ -72,6 +78,7 @@ impl Learnt {
         points: &[Vec<f64>],
         vectors: &[Vec<f64>],
         weights: Vec<f64>,
+        alike: Vec<usize>,
     ) -> Result<Self, FitError> {
         let n = points.len();
         let weighted: Vec<Vec<f64>> =
@@ -94,6 +101,8 @@ impl Learnt {
             directions: Vec::new(),
             noise: Vec::new(),
             rest: 0.0,
+            alike,
+            rest_alike: 0.0,
             nuisances: Vec::new(),
         };
         let mut residuals: Vec<Vec<f64>> =
@@ -116,17 +125,23 @@ impl Learnt {
         }
         let noise = Components::of(&residuals, NOISE_COMPONENTS.min(n / 2));
         let length = learnt.mean.len();
-        let off_mean =
-            |residual: &Vec<f64>| -> f64 { residual.iter().zip(&noise.mean).map(|(r, mean)| (r - mean).powi(2)).sum() };
-        let total = residuals.iter().map(off_mean).sum::<f64>() / (n as f64 - 1.0);
-        let held: f64 = noise.variances.iter().sum();
-        learnt.rest = ((total - held) / (length.saturating_sub(noise.variances.len())).max(1) as f64).max(0.0);
         learnt.noise = noise
             .directions
             .iter()
             .zip(&noise.variances)
             .map(|(direction, variance)| direction.iter().map(|d| d * variance.sqrt()).collect())
             .collect();
+        for residual in &mut residuals {
+            residual.iter_mut().zip(&noise.mean).for_each(|(r, mean)| *r -= mean);
+        }
+        let beyond = (length.saturating_sub(noise.variances.len())).max(1) as f64;
+        let of = |vectors: &[Vec<f64>]| vectors.iter().flatten().map(|v| v * v).sum::<f64>();
+        let rest = |all: &[Vec<f64>], held: &[Vec<f64>]| ((of(all) / (n as f64 - 1.0) - of(held)) / beyond).max(0.0);
+        learnt.rest = rest(&residuals, &learnt.noise);
+        let in_common = |vectors: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            vectors.iter().map(|vector| in_common(vector, &learnt.alike)).collect()
+        };
+        learnt.rest_alike = rest(&in_common(&residuals), &in_common(&learnt.noise));
         Ok(learnt)
     }
 
@@ -190,6 +205,8 @@ impl Learnt {
         vectors.all(|vector| finite(&vector))
             && self.weights.iter().all(|weight| *weight > 0.0)
             && self.rest >= 0.0
+            && self.rest_alike >= 0.0
+            && self.alike.len() == length
             && !self.directions.is_empty()
     }
 }
@@ -228,6 +245,16 @@ impl Scored {
 fn of_prediction(process: &GaussianProcess, left_out: &[Predicted]) -> f64 {
     let mean = left_out.iter().map(|left| left.variance).sum::<f64>() / left_out.len().max(1) as f64;
     (mean - process.noise().powi(2)).max(0.0)
+}
+
+/// Each number of a vector with the mean over those of its kind.
+pub(super) fn in_common(vector: &[f64], kinds: &[usize]) -> Vec<f64> {
+    let mut sums: HashMap<usize, (f64, f64)> = HashMap::new();
+    for (v, kind) in vector.iter().zip(kinds) {
+        let (sum, count) = sums.entry(*kind).or_default();
+        (*sum, *count) = (*sum + v, *count + 1.0);
+    }
+    kinds.iter().map(|kind| sums.get(kind).map_or(0.0, |(sum, count)| sum / count)).collect()
 }
 
 /// Numbers of five digits: a file of all would be three times as long, and say no more.

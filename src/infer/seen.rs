@@ -5,11 +5,12 @@
 //! C = camera + factor (light of the training images) + nuisances
 //! ```
 //!
-//! The light's noise is that of the training images times a factor: what lies beyond Phi and the nuisances tells it.
+//! The light's noise is that of the training images times a factor: what lies beyond Phi and the nuisances tells it, and
+//! of that what mirror images have in common.
 //! Generalised least squares would have smaller errors if C were known; it is learnt from as many images as it has
 //! elements to the power of a half, and took its own word (docs/decisions/inference.md).
 
-use super::learnt::Learnt;
+use super::learnt::{Learnt, in_common};
 use faer::linalg::solvers::{DenseSolveCore as _, Llt};
 use faer::{Mat, Side};
 
@@ -76,14 +77,18 @@ impl Learnt {
                 Some(j) => nuisances[(k, j)],
             });
         let fit = left_inverse(&both)?;
-        let beyond = |of: &Mat<f64>| of - &both * (&fit * of);
-        let square = |of: &Mat<f64>| {
-            (0..of.ncols()).flat_map(|j| (0..n).map(move |k| (k, j))).map(|at| of[at].powi(2)).sum::<f64>()
+        let alike: Vec<usize> = used.iter().map(|&i| self.alike[i]).collect();
+        let beyond = |of: &Mat<f64>| -> f64 {
+            let left = of - &both * (&fit * of);
+            let column = |j: usize| in_common(&(0..n).map(|k| left[(k, j)]).collect::<Vec<_>>(), &alike);
+            (0..of.ncols()).flat_map(column).map(|v| v * v).sum()
         };
         let share = 1.0 - both.ncols() as f64 / n as f64;
-        let of_camera = share * camera.iter().sum::<f64>();
-        let of_light = square(&beyond(&noise)) + share * self.rest * n as f64;
-        let noise_factor = ((square(&beyond(&values)) - of_camera) / of_light).max(0.0);
+        // The mean of so many variances, over as many again: the variance of a mean.
+        let count = |kind: &usize| alike.iter().filter(|one| *one == kind).count() as f64;
+        let of_camera = share * camera.iter().zip(&alike).map(|(variance, kind)| variance / count(kind)).sum::<f64>();
+        let of_light = beyond(&noise) + share * self.rest_alike * n as f64;
+        let noise_factor = ((beyond(&values) - of_camera) / of_light).max(0.0);
         let fit = left_inverse(&directions)?;
         let through = |of: &Mat<f64>| {
             let one = &fit * of;

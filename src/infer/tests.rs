@@ -57,7 +57,7 @@ fn learnt(shift: f64) -> Learnt {
     let points: Vec<Vec<f64>> = (0..150).map(|_| drawn(&mut random)).collect();
     let vectors: Vec<Vec<f64>> = points.iter().map(|p| noisy(light(p), 0.01, 0.002, &mut random)).collect();
     let told: Vec<Vec<f64>> = points.iter().map(|p| vec![p[0] + shift, p[1], p[2]]).collect();
-    Learnt::from(unknowns(), &told, &vectors, vec![100.0; LENGTH]).unwrap()
+    Learnt::from(unknowns(), &told, &vectors, vec![100.0; LENGTH], (0..LENGTH).collect()).unwrap()
 }
 
 /// Learnt from points as they are.
@@ -139,6 +139,40 @@ fn intervals_hold_the_truth_whatever_the_noise_of_the_light() {
         // The camera's noise is known; what is learnt of the light's, of 150 images, is good to a third.
         assert!((0.7 * variance..1.4 * variance + 0.1).contains(&factor), "{shared}: {factor}");
     }
+}
+
+/// An image that is its own mirror image has twice the variance along what follows the unknowns, of the same in each
+/// half: told where mirror images are known, and nowhere else.
+#[test]
+fn noise_that_mirror_images_share_is_told() {
+    const HALF: usize = LENGTH;
+    let both = |light: &[f64], noise: [&[f64]; 2]| -> Vec<f64> {
+        noise.into_iter().flat_map(|noise| light.iter().zip(noise).map(|(v, n)| v + n).collect::<Vec<_>>()).collect()
+    };
+    let mut random = PixelRandom::new(23, 0);
+    let mut noise = || noisy(vec![0.0; HALF], 0.01, 0.002, &mut random);
+    let mut places = PixelRandom::new(24, 0);
+    let points: Vec<Vec<f64>> = (0..60).map(|_| drawn(&mut places)).collect();
+    let vectors: Vec<Vec<f64>> = points.iter().map(|place| both(&light(place), [&noise(), &noise()])).collect();
+    let mut factors = |alike: &dyn Fn(usize) -> usize| {
+        let kinds = (0..2 * HALF).map(alike).collect();
+        let learnt = Learnt::from(unknowns(), &points, &vectors, vec![100.0; 2 * HALF], kinds).unwrap();
+        let factor = |values: Vec<f64>| {
+            let values = values.into_iter().map(Some).collect();
+            learnt.told(&Seen { values, variances: vec![0.0; 2 * HALF] }).unwrap().noise_factor
+        };
+        let mut sums = [0.0; 2];
+        for _ in 0..20 {
+            let (light, one, other) = (light(&drawn(&mut places)), noise(), noise());
+            sums[0] += factor(both(&light, [&one, &other])) / 20.0;
+            sums[1] += factor(both(&light, [&one, &one])) / 20.0;
+        }
+        sums
+    };
+    let [plain, mirrored] = factors(&|i| i % HALF);
+    assert!((0.7..1.4).contains(&plain) && (1.4..2.8).contains(&mirrored), "{plain} {mirrored}");
+    let [plain, mirrored] = factors(&|i| i);
+    assert!((0.7..1.4).contains(&plain) && mirrored < 1.4, "{plain} {mirrored}");
 }
 
 /// Wrong labels and intervals of a third of the width must show.
@@ -227,7 +261,7 @@ fn frames_that_do_not_go_with_the_others_are_told() {
     let points: Vec<Vec<f64>> = (0..150).map(|_| drawn(&mut random)).collect();
     let mut vectors: Vec<Vec<f64>> = points.iter().map(|p| noisy(light(p), 0.01, 0.002, &mut random)).collect();
     let off = |vectors: &[Vec<f64>]| {
-        let learnt = Learnt::from(unknowns(), &points, vectors, vec![100.0; LENGTH]).unwrap();
+        let learnt = Learnt::from(unknowns(), &points, vectors, vec![100.0; LENGTH], (0..LENGTH).collect()).unwrap();
         learnt.left_out(vectors).unwrap()
     };
     let most = |off: &[f64]| off.iter().copied().fold(0.0, f64::max);

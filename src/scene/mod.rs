@@ -97,6 +97,9 @@ pub struct Render {
     /// Whether the irradiance map is smoothed. That leaves little noise, and a bias that is small beside it but that all
     /// renders of a scene share: where many images are averaged, or learnt from, leave it out.
     pub map_smoothing: bool,
+    /// Whether photons count for all places that mirror images make alike, in scenes that have such. The noise of the map
+    /// is then its own mirror image too.
+    pub symmetry: bool,
     /// Control points along the longer side of a deformed interface held as a height field.
     pub height_field_points: u32,
     /// Seed of all random numbers.
@@ -111,6 +114,7 @@ impl Default for Render {
             photons: None,
             map_texel_mm: 0.125,
             map_smoothing: true,
+            symmetry: true,
             height_field_points: 256,
             seed: 1,
         }

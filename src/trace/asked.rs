@@ -42,11 +42,13 @@ pub(super) fn until(
     let kernel = Kernel::of(model);
     let integrator = Plan::choose(settings.integrator, &kernel)?.integrator;
     let a_path = if integrator == Integrator::Map && kernel.unfolded == 0 { PHOTONS_A_PATH } else { 1 };
-    let each = (a_path * photons(&kernel, integrator, pixels(model))).max(FEW_PHOTONS) as f64;
+    // Each stands for all its images.
+    let alike = if integrator == Integrator::Map { u64::from(model.symmetry.order()) } else { 1 };
+    let each = (a_path * photons(&kernel, integrator, pixels(model)) / alike).max(FEW_PHOTONS) as f64;
     // Camera paths per pixel that the photons match: at first fewer than there are.
     let mut work = f64::from(REPLICATES);
     if integrator != Integrator::Path {
-        let first = FIRST_PHOTONS as f64 * (FIRST_ERROR / target).powi(2).clamp(1.0, MOST_FIRST);
+        let first = FIRST_PHOTONS as f64 / alike as f64 * (FIRST_ERROR / target).powi(2).clamp(1.0, MOST_FIRST);
         work *= (first / each).min(1.0);
     }
     let mut batch = Batch::new(model, backend, integrator, settings.seed).keeping();

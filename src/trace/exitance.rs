@@ -14,6 +14,7 @@ use super::model::{Model, Tissue};
 use super::scatter::Scatter;
 use super::smooth::Smoother;
 use super::spread::Spread;
+use super::symmetry::Symmetry;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::OnceLock;
@@ -39,6 +40,15 @@ pub struct ContactLight {
     light: [Vec<f64>; 2],
     /// What was found without.
     direct: Option<[Vec<f64>; 2]>,
+}
+
+impl ContactLight {
+    /// The mean over what a model stays the same under.
+    #[must_use]
+    pub fn folded(self, symmetry: &Symmetry, size: [usize; 2]) -> Self {
+        let fold = |maps: [Vec<f64>; 2]| maps.map(|map| symmetry.folded(map, size));
+        Self { light: fold(self.light), direct: self.direct.map(fold) }
+    }
 }
 
 /// The touched face, cut into texels.

@@ -42,6 +42,7 @@ pub mod scatter;
 mod scene_model;
 mod smooth;
 mod spread;
+pub mod symmetry;
 mod unfold;
 pub mod unseen;
 

@@ -8,6 +8,7 @@ use super::disc::Disc;
 use super::leds::Led;
 pub use super::real::Real;
 use super::scatter::Scatter;
+use super::symmetry::Symmetry;
 
 /// A piece that a kernel can carry without a use for it. The image is the same, the time is not (on a GPU; the twin in
 /// Rust branches on few of them).
@@ -216,6 +217,8 @@ pub struct Model<T> {
     pub map_size: [usize; 2],
     /// Whether it is smoothed.
     pub map_smoothing: bool,
+    /// What it stays the same under.
+    pub symmetry: Symmetry,
     /// Radiance that one unit of the film stands for, W/(m^2 sr).
     pub unit_radiance: f64,
     /// Power of all LEDs in units of `unit_radiance` times mm^2.
@@ -316,6 +319,7 @@ impl Model<f64> {
             },
             map_size: self.map_size,
             map_smoothing: self.map_smoothing,
+            symmetry: self.symmetry.clone(),
             unit_radiance: self.unit_radiance,
             power: self.power,
             aimed_share: self.aimed_share,

@@ -4,6 +4,7 @@ use super::constants::Finish;
 use super::disc::Disc;
 use super::model::{Camera, CapShape, Deformation, Face, FieldShape, Heights, Layer, MeshShape, Model, Tissue, Walls};
 use super::scatter::Scatter;
+use super::symmetry::Symmetry;
 use super::{leds, unfold};
 use crate::optics::{fresnel, tissue};
 use crate::scene::{self, LoadedScene, Roughness};
@@ -52,6 +53,7 @@ impl Model<f64> {
             camera: camera(&scene.camera),
             map_size: scene.stack.footprint_mm.map(texels),
             map_smoothing: scene.render.map_smoothing,
+            symmetry: Symmetry::none(),
             unit_radiance: lit.unit_radiance,
             power: lit.power,
             aimed_share,
@@ -59,6 +61,9 @@ impl Model<f64> {
             spare: Vec::new(),
         };
         model.unfolded = unfold::reflections(&model);
+        if scene.render.symmetry {
+            model.symmetry = Symmetry::of(&model);
+        }
         Ok(model)
     }
 }

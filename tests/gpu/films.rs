@@ -10,6 +10,7 @@ use tirtouch::trace::exitance::TouchedFace;
 use tirtouch::trace::gpu::GpuTracer;
 use tirtouch::trace::plan::Integrator;
 use tirtouch::trace::render::REPLICATES;
+use tirtouch::trace::symmetry::Symmetry;
 use tirtouch::trace::{Backend, Kernel, Model, Plan};
 
 /// Chance of a false alarm over all films together.
@@ -59,7 +60,8 @@ fn against_f64(case: &Case, twin: &Case, integrator: Integrator, level: f64) -> 
     let adapter = require_gpu()?;
     let size = [48, 36];
     let work = Work { spp: 1, photons: 1 << 12 };
-    let (model, reference) = (case.model(size), twin.model(size));
+    // The reference takes no place for another's mirror image.
+    let (model, reference) = (case.model(size), Model { symmetry: Symmetry::none(), ..twin.model(size) });
     let a = film(gpu(adapter, &model), &model, integrator, 1, work);
     let b = film(f64_twin(&reference), &reference, integrator, 2, work);
     Some(compare(&a, &b, level).unwrap())
@@ -86,6 +88,25 @@ fn gpu_films_agree_with_those_of_the_twin_in_f64() {
         let Some(found) = found else { return };
         println!("{} by {}: ratio {:?}", case.name, integrator.name(), found.ratio);
         assert!(found.passed, "{} by {}: {}", case.name, integrator.name(), failed(&found));
+    }
+}
+
+/// One LED of four is brighter, and its light is taken for that of the one that it faces.
+#[test]
+fn a_symmetry_that_there_is_none_is_found() {
+    let mut case = Case::preset("contact-disc");
+    let (work, size) = (Work { spp: 1, photons: 1 << 12 }, [48, 36]);
+    let all = case.model(size).symmetry;
+    case.loaded.scene.led[0].radiance_w_per_m2_sr = Some(1.5);
+    let right = case.model(size);
+    assert_eq!((all.order(), right.symmetry.order()), (4, 2));
+    let reference = Model { symmetry: Symmetry::none(), ..right.clone() };
+    let reference = film(f64_twin(&reference), &reference, Integrator::Map, 2, work);
+    let wrong = Model { symmetry: all, ..right.clone() };
+    for (model, same) in [(right, true), (wrong, false)] {
+        let Some(adapter) = require_gpu() else { return };
+        let found = compare(&film(gpu(adapter, &model), &model, Integrator::Map, 1, work), &reference, LEVEL).unwrap();
+        assert_eq!(found.passed, same, "{}", failed(&found));
     }
 }
 
