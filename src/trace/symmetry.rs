@@ -11,7 +11,7 @@ use super::disc::Disc;
 use super::leds::Led;
 use super::model::{Deformation, Heights, Model};
 
-/// How far numbers of a place and its image may be apart, as a share of their range: far below the rounding of f32.
+/// How far numbers of a place and its image may be apart, as a share of the largest: the rounding of f32.
 const ALIKE: f64 = 1e-7;
 
 /// What (x, y) goes to: which of both is turned about.
