@@ -202,7 +202,9 @@ fn a_scene_calibrates_its_sensor() {
     );
     let (rms, left_out) = (said["force"]["rms_n"].as_f64().unwrap(), said["force"]["left_out_rms_n"].as_f64().unwrap());
     assert!(rms > 0.0 && rms < left_out && left_out < 0.1, "{said}");
-    let rendered = tirtouch_in(place.path(), &["run", "scene.toml", "--without-inclusions", "-o", "run", "--json"]);
+    // Not as deep as the deepest press of the calibration: noise would take every other frame of that beyond its range.
+    place.write("pressed.toml", &quick.replace("4.0]", "3.8]"));
+    let rendered = tirtouch_in(place.path(), &["run", "pressed.toml", "--without-inclusions", "-o", "run", "--json"]);
     assert_eq!(code(&rendered), 0, "{rendered:?}");
     let frame = shown(place.path().join("run/camera.png"));
     let file = shown(place.path().join("sensor/calibration.toml"));
