@@ -3,8 +3,8 @@
 //! Frames are one long vector y of logarithms of light. Weighted by its noise, y = mean + sum_k s_k(x) phi_k + noise:
 //! few principal components hold what follows the unknowns x, each score a Gaussian process of x. What training images
 //! have beside that is the noise of their light; its covariance is kept by its own components, so that a seen frame's
-//! light may be as noisy, less or more, by one factor. Images may be their own mirror images, noise and all, where others
-//! are not; scores follow what mirror images have in common, and so the factor is told by that alone.
+//! light may be as noisy, less or more, by one factor. Images may be their own mirror images, noise and all, where
+//! others are not; scores follow what mirror images have in common, and so the factor is told by that alone.
 
 use super::unknown::Unknown;
 use crate::emulate::{Components, FitError, GaussianProcess, Predicted};

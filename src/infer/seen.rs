@@ -5,8 +5,8 @@
 //! C = camera + factor (light of the training images) + nuisances
 //! ```
 //!
-//! The light's noise is that of the training images times a factor: what lies beyond Phi and the nuisances tells it, and
-//! of that what mirror images have in common.
+//! The light's noise is that of the training images times a factor: what lies beyond Phi and the nuisances tells it,
+//! and of that what mirror images have in common.
 //! Generalised least squares would have smaller errors if C were known; it is learnt from as many images as it has
 //! elements to the power of a half, and took its own word (docs/decisions/inference.md).
 
