@@ -184,7 +184,7 @@ pub fn expose(film: &Film, camera: &Camera, wavelength_nm: f64, seed: u32) -> Re
 }
 
 /// The grey value that a pixel of the given expected electrons reads.
-fn read_out(mean_electrons: f64, sensor: &Sensor, random: &mut PixelRandom) -> u16 {
+pub(super) fn read_out(mean_electrons: f64, sensor: &Sensor, random: &mut PixelRandom) -> u16 {
     // Above twice the full well the pixel saturates whatever the draw; a bounded mean keeps the draw exact.
     let mean = mean_electrons.min(2.0 * sensor.full_well_e + 1000.0);
     let electrons = random.poisson(mean) + sensor.read_noise_e * random.normal();

@@ -7,9 +7,11 @@ pub mod exposure;
 pub mod noise;
 pub mod projection;
 pub mod reading;
+pub mod saturation;
 pub mod suited;
 
 pub use exposure::{ExposureError, Frame, expected_electrons, expose, top_grey};
 pub use projection::{ProjectionError, View, mm_per_pixel};
 pub use reading::{Response, Signal};
+pub use saturation::Saturation;
 pub use suited::Suited;

@@ -4,7 +4,7 @@
 //! jackknife): how neighbouring pixels move together is in it. Shares of the ledger take that of counted photons, which
 //! weights between 0 and 1 do not exceed. Figures of the press take the error that it estimates of itself.
 
-use crate::camera::expected_electrons;
+use crate::camera::{Saturation, expected_electrons};
 use crate::estimate::Value;
 use crate::figure::Figure;
 use crate::film::{Film, quantile_95};
@@ -56,7 +56,7 @@ pub enum Measure {
     Escaped {},
     /// Share of the emitted light that layers, tissue and walls absorb.
     Absorbed {},
-    /// Share of pixels at the top grey level.
+    /// Share of pixels that are expected at the top grey level, over the noise of the camera.
     Saturated {},
     /// Mean grey level of the frame.
     MeanGrey {},
@@ -226,9 +226,9 @@ impl Measure {
             Self::Escaped {} => [ledger.escaped_top, ledger.escaped_bottom, ledger.escaped_sides].map(share).to_vec(),
             Self::Absorbed {} => vec![share(ledger.absorbed)],
             Self::Saturated {} => {
-                let frame = &shot.frame;
-                let value = frame.saturated_pixels() as f64 / frame.grey.len().max(1) as f64;
-                vec![Value::known(value, value, value)]
+                let saturation = Saturation::of(&shot.prepared.scene().camera.sensor);
+                let of = |means: &[&[f64]]| electrons(shot, means[0]).map_or(f64::NAN, |all| saturation.share(&all));
+                vec![LeftOut::of(&[film], of).map_or_else(Value::undefined, |found| found.of_a_share())]
             }
             Self::MeanGrey {} => {
                 let reading = shot.read(&ReadAs::default());
@@ -293,32 +293,64 @@ fn of_counted(share: f64, photons: u64) -> Value {
 
 /// A figure of the mean images of films that are independent of each other.
 fn jackknife(films: &[&Film], figure: impl Fn(&[&[f64]]) -> f64) -> Value {
-    let wide = |values: &[f32]| values.iter().map(|&v| f64::from(v)).collect::<Vec<f64>>();
-    let whole: Vec<Vec<f64>> = films.iter().map(|film| wide(&film.mean)).collect();
-    let of = |means: &[Vec<f64>]| figure(&means.iter().map(Vec::as_slice).collect::<Vec<_>>());
-    let value = of(&whole);
-    let (mut variance, mut freedom) = (0.0, f64::INFINITY);
-    for (k, film) in films.iter().enumerate() {
-        let groups = &film.groups;
-        if groups.len() < 2 {
-            return Value::undefined("the image has too few replicates to know its error");
+    LeftOut::of(films, figure)
+        .map_or_else(Value::undefined, |LeftOut { value, half, .. }| Value::known(value, value - half, value + half))
+}
+
+/// What leaving out each group of replicates says of a figure.
+struct LeftOut {
+    value: f64,
+    /// Half of its interval of 95 %.
+    half: f64,
+    /// By how much noise makes it larger than it is, where it does not follow the light linearly.
+    bias: f64,
+}
+
+impl LeftOut {
+    fn of(films: &[&Film], figure: impl Fn(&[&[f64]]) -> f64) -> Result<Self, &'static str> {
+        let wide = |values: &[f32]| values.iter().map(|&v| f64::from(v)).collect::<Vec<f64>>();
+        let whole: Vec<Vec<f64>> = films.iter().map(|film| wide(&film.mean)).collect();
+        let of = |means: &[Vec<f64>]| figure(&means.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let value = of(&whole);
+        let (mut variance, mut freedom, mut bias) = (0.0, f64::INFINITY, 0.0);
+        for (k, film) in films.iter().enumerate() {
+            let groups = &film.groups;
+            if groups.len() < 2 {
+                return Err("the image has too few replicates to know its error");
+            }
+            let all: f64 = groups.iter().map(|group| f64::from(group.replicates)).sum();
+            // Groups may differ in size (the last one): each is left out by its own weight (Busing, Meijer and van der
+            // Leeden, Statistics and Computing 9, 1999).
+            for group in groups {
+                let share = f64::from(group.replicates) / all;
+                let without =
+                    whole[k].iter().zip(&group.mean).map(|(m, g)| (m - share * f64::from(*g)) / (1.0 - share));
+                let mut means = whole.clone();
+                means[k] = without.collect();
+                let change = of(&means) - value;
+                // Each is an estimate of the variance by itself.
+                variance += (1.0 - share) / share * change.powi(2) / groups.len() as f64;
+                bias += (1.0 - share) * change;
+            }
+            freedom = freedom.min(groups.len() as f64 - 1.0);
         }
-        let all: f64 = groups.iter().map(|group| f64::from(group.replicates)).sum();
-        // Groups may differ in size (the last one): each is left out by its own weight.
-        let left_out = groups.iter().map(|group| {
-            let share = f64::from(group.replicates) / all;
-            let without = whole[k].iter().zip(&group.mean).map(|(m, g)| (m - share * f64::from(*g)) / (1.0 - share));
-            let mut means = whole.clone();
-            means[k] = without.collect();
-            // (1 - share) / share of the squared change is an estimate of the variance by itself (Busing, Meijer and
-            // van der Leeden, Statistics and Computing 9, 1999).
-            (1.0 - share) / share * (of(&means) - value).powi(2)
-        });
-        variance += left_out.sum::<f64>() / groups.len() as f64;
-        freedom = freedom.min(groups.len() as f64 - 1.0);
+        Ok(Self { value, half: quantile_95(freedom) * variance.sqrt(), bias })
     }
-    let half = quantile_95(freedom) * variance.sqrt();
-    Value::known(value, value - half, value + half)
+
+    /// Without its bias, which is as unsure as it is large.
+    fn of_a_share(self) -> Value {
+        let (less, off) = (self.value - self.bias, self.half + self.bias.abs());
+        Value::known(less.clamp(0.0, 1.0), (less - off).clamp(0.0, 1.0), (less + off).clamp(0.0, 1.0))
+    }
+}
+
+/// Expected electrons of a shot's pixels for a mean image.
+fn electrons(shot: &Shot, mean: &[f64]) -> Option<Vec<f64>> {
+    let (scene, like) = (shot.prepared.scene(), &shot.outcome.film);
+    // Where a pixel has its light from one group alone, the mean of the others may round to below 0.
+    let mean = mean.iter().map(|&v| v.max(0.0) as f32).collect();
+    let film = Film { width: like.width, height: like.height, mean, ..Film::default() };
+    expected_electrons(&film, &scene.camera, scene.light.wavelength_nm).ok()
 }
 
 /// What inclusions add to a pixel over the camera's noise.
@@ -326,20 +358,13 @@ fn signal_to_noise(shot: &Shot, baseline: &Shot, pixels: &[usize]) -> Value {
     if pixels.is_empty() {
         return Value::undefined("the camera sees no pixel of the disc");
     }
-    let scene = shot.prepared.scene();
-    let sensor = &scene.camera.sensor;
-    let electrons = |mean: &[f64], like: &Film| {
-        // Where a pixel has its light from one group alone, the mean of the others may round to below 0.
-        let mean = mean.iter().map(|&v| v.max(0.0) as f32).collect();
-        let film = Film { width: like.width, height: like.height, mean, ..Film::default() };
-        expected_electrons(&film, &scene.camera, scene.light.wavelength_nm)
-    };
+    let sensor = &shot.prepared.scene().camera.sensor;
     let gain = f64::from((1u32 << sensor.bit_depth) - 1) / sensor.full_well_e;
     // Two read-outs and two roundings.
     let fixed = 2.0 * (sensor.read_noise_e.powi(2) + 1.0 / (12.0 * gain * gain));
     let (film, other) = (&shot.outcome.film, &baseline.outcome.film);
-    jackknife(&[film, other], |means| match (electrons(means[0], film), electrons(means[1], other)) {
-        (Ok(with), Ok(without)) => {
+    jackknife(&[film, other], |means| match (electrons(shot, means[0]), electrons(baseline, means[1])) {
+        (Some(with), Some(without)) => {
             let signal = mean(pixels.iter().map(|&pixel| with[pixel] - without[pixel]));
             let noise = mean(pixels.iter().map(|&pixel| with[pixel] + without[pixel])) + fixed;
             signal / noise.sqrt()
@@ -438,6 +463,24 @@ mod tests {
             holds(&jackknife(&[&a, &b], difference), 1.0)
         });
         assert!(held.count() >= 366);
+    }
+
+    /// Pixels below a threshold come above it by noise more often than others fall below it.
+    #[test]
+    fn a_share_above_a_threshold_is_held_though_noise_adds_to_it() {
+        let shape = |k: usize| if k < 96 { 5.5 } else { 5.0 };
+        let above = |v: f64| 1.0 / (1.0 + ((5.7 - v) / 0.1).exp());
+        let truth = 0.5 * (above(5.5) + above(5.0));
+        let (mut held, mut plain, mut biases) = (0, 0, 0.0);
+        for seed in 0..400 {
+            let of = |means: &[&[f64]]| mean(means[0].iter().map(|&v| above(v)));
+            let found = LeftOut::of(&[&film(seed, shape, 0.2, 16)], of).unwrap();
+            plain += u32::from((found.value - truth).abs() <= found.half);
+            biases += found.bias / 400.0;
+            held += u32::from(holds(&found.of_a_share(), truth));
+        }
+        assert!(held >= 366, "{held} of 400 with the bias taken off, {plain} without; bias {biases}");
+        assert!(plain < held && biases > 0.0, "{held} of 400 with the bias taken off, {plain} without; bias {biases}");
     }
 
     #[test]
