@@ -2,10 +2,11 @@
 //!
 //! A worker holds the lock of a file of its own for as long as it lives. It claims an item by making a file that names
 //! it. A claim counts while its worker's file is locked: the system lets go of a lock when its program ends, however it
-//! ends, so no claim outlives its worker. NFS passes locks on to its server. Where a file system has none, a worker
-//! counts as alive for as long as it touches its file; times are compared with each other, by one clock, and not with
-//! this machine's. Two workers that take over a dead one's claim in the same moment both compute the item: the records
-//! that they write are the same.
+//! ends, so no claim outlives its worker. NFS passes locks on to its server, but some mounts keep them to their machine,
+//! and some file systems have none. So a worker of another machine whose file is not locked, or of which nothing is
+//! known, counts as alive for as long as it touches its file; times are compared with each other, by one clock, and not
+//! with this machine's. Two workers that take over a dead one's claim in the same moment both compute the item: the
+//! records that they write are the same.
 
 use super::OutputError;
 use std::fs::{File, TryLockError};
@@ -20,7 +21,7 @@ pub(super) const CLAIMS: &str = "claims";
 pub(super) const WORKERS: &str = "workers";
 /// Time between two touches of a worker's file.
 const TOUCH: Duration = Duration::from_secs(5);
-/// Where there are no locks: a worker that has not touched its file for so long is dead.
+/// Where locks do not tell: a worker that has not touched its file for so long is dead.
 const DEAD: Duration = Duration::from_secs(60);
 
 /// A worker of this program. Dropping it lets go of its claims.
@@ -130,7 +131,11 @@ impl Worker {
             return self.is_recent(claim);
         }
         let file = self.folder.join(WORKERS).join(owner);
-        is_locked(&file).unwrap_or_else(|| self.is_recent(&file))
+        match is_locked(&file) {
+            Some(true) => true,
+            Some(false) if host_of(owner) == host_of(&self.name) => false,
+            _ => self.is_recent(&file),
+        }
     }
 
     /// Whether a file was touched about as late as this worker's own.
@@ -177,6 +182,11 @@ pub(super) fn alive(folder: &Path) -> usize {
     entries.filter(|entry| is_locked(&entry.path()).unwrap_or(true)).count()
 }
 
+/// The machine in a worker's name.
+fn host_of(worker: &str) -> Option<&str> {
+    worker.rsplitn(3, '-').nth(2)
+}
+
 /// This machine's name, as far as a file name can hold it.
 fn host() -> String {
     let named = std::fs::read_to_string("/etc/hostname").ok().or_else(|| std::env::var("HOSTNAME").ok());
@@ -190,6 +200,12 @@ fn host() -> String {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    /// Makes a file older than a worker that lives lets its own become.
+    fn set_back(file: &Path) {
+        let old = std::time::SystemTime::now() - 2 * DEAD;
+        File::options().write(true).open(file).unwrap().set_modified(old).unwrap();
+    }
 
     #[test]
     fn an_item_has_one_worker_at_a_time() {
@@ -224,8 +240,7 @@ mod tests {
         for file in [&dead, &coming] {
             std::fs::write(file, "").unwrap();
         }
-        let old = std::time::SystemTime::now() - 2 * DEAD;
-        File::options().write(true).open(&dead).unwrap().set_modified(old).unwrap();
+        set_back(&dead);
         std::fs::write(place.path().join(CLAIMS).join("7"), [0xff, 0xfe]).unwrap();
         let second = Worker::new(place.path()).unwrap();
         assert!(!dead.exists() && coming.exists());
@@ -238,19 +253,37 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let worker = Worker::new(place.path()).unwrap();
         // What `kill -9` leaves: a file that nobody has locked, and a claim; or a claim that was cut short.
-        std::fs::write(place.path().join(WORKERS).join("host-1-0"), "").unwrap();
-        std::fs::write(place.path().join(CLAIMS).join("7"), "host-1-0").unwrap();
+        let dead = format!("{}-1-0", host());
+        std::fs::write(place.path().join(WORKERS).join(&dead), "").unwrap();
+        std::fs::write(place.path().join(CLAIMS).join("7"), &dead).unwrap();
         assert_eq!(worker.claim("7").unwrap(), Claimed::Ours);
         let cut = place.path().join(CLAIMS).join("8");
         std::fs::write(&cut, "").unwrap();
         assert_eq!(worker.claim("8").unwrap(), Claimed::Taken, "it may just be written");
-        let old = std::time::SystemTime::now() - 2 * DEAD;
-        File::options().write(true).open(&cut).unwrap().set_modified(old).unwrap();
+        set_back(&cut);
         assert_eq!(worker.claim("8").unwrap(), Claimed::Ours);
         // A clock set back makes the future no sign of life.
         std::fs::write(&cut, "").unwrap();
         let ahead = std::time::SystemTime::now() + 2 * DEAD;
         File::options().write(true).open(&cut).unwrap().set_modified(ahead).unwrap();
+        assert_eq!(worker.claim("8").unwrap(), Claimed::Ours);
+    }
+
+    /// Its lock may not have left its machine, so that the file looks as if nobody held it.
+    #[test]
+    fn a_worker_of_another_machine_lives_while_it_touches_its_file() {
+        let place = tempfile::tempdir().unwrap();
+        let worker = Worker::new(place.path()).unwrap();
+        let theirs = format!("{}-too-1-0", host());
+        let file = place.path().join(WORKERS).join(&theirs);
+        std::fs::write(&file, "alive\n").unwrap();
+        std::fs::write(place.path().join(CLAIMS).join("7"), &theirs).unwrap();
+        assert_eq!(worker.claim("7").unwrap(), Claimed::Taken);
+        set_back(&file);
+        assert_eq!(worker.claim("7").unwrap(), Claimed::Ours);
+        // Who has ended as it should has no file.
+        std::fs::write(place.path().join(CLAIMS).join("8"), &theirs).unwrap();
+        std::fs::remove_file(&file).unwrap();
         assert_eq!(worker.claim("8").unwrap(), Claimed::Ours);
     }
 
