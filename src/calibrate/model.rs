@@ -15,8 +15,8 @@ pub(super) const LED_SPREAD: f64 = 0.03;
 /// Share of all power that one LED has where it is lit alone.
 const LIT_ALONE: f64 = 0.999;
 
-/// Standard deviations by which a phantom's worst score may be off where it is left out: of 500 phantoms and 10 scores
-/// one of 350 designs has such a one by noise, were it normal. A hint where to look, and no verdict.
+/// Standard deviations by which a phantom's worst score may be off where it is left out: of 500 phantoms and 12 scores
+/// one of 290 designs has such a one by noise, were it normal. A hint where to look, and no verdict.
 const ODD: f64 = 5.0;
 
 /// A phantom that does not go with the others.

@@ -49,7 +49,7 @@ impl Calibrate {
             return calibrate_sensor::run(&self.calibration, self.how.as_common());
         }
         let parts = CalibrationFile::load(&self.calibration)?.calibrate;
-        let out = self.how.place.named(&self.calibration.file_stem().unwrap_or_default().to_string_lossy());
+        let out = self.how.folder_of_parts(&self.calibration.file_stem().unwrap_or_default().to_string_lossy())?;
         let folders = self.how.parts(&out, |work| parts.folders(work))?;
         if !folders.is_whole {
             let told = json!({"phantoms": null, "scores": null, "odd": null, "file": null});

@@ -25,7 +25,7 @@ impl Study {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let parts = StudyFile::load(&self.study)?.study;
         let name = self.study.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let out = self.how.place.named(&name);
+        let out = self.how.folder_of_parts(&name)?;
         let reader = Reader::of(&parts)?;
         let kind = if parts.paper.is_some() { "study of the paper" } else { "study" };
         // Others may compute parts of the same study.

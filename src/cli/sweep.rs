@@ -202,6 +202,16 @@ impl How {
         Ok((records, computed))
     }
 
+    /// The folder of a larger work, which is always gone on with.
+    pub(super) fn folder_of_parts(&self, name: &str) -> Result<PathBuf, Failure> {
+        let out = self.place.named(name);
+        if self.place.force && out.is_dir() {
+            let why = "what is there is always gone on with, and --force replaces nothing; remove it to begin anew";
+            return Err(Failure::usage(format!("{}: {why}", out.display())).in_file(&out));
+        }
+        Ok(out)
+    }
+
     /// Does with the sweeps of a larger work, in folders of `out`, what is asked for.
     pub(super) fn parts<T>(
         &self,

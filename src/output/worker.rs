@@ -2,8 +2,8 @@
 //!
 //! A worker holds the lock of a file of its own for as long as it lives. It claims an item by making a file that names
 //! it. A claim counts while its worker's file is locked: the system lets go of a lock when its program ends, however it
-//! ends, so no claim outlives its worker. NFS passes locks on to its server, but some mounts keep them to their machine,
-//! and some file systems have none. So a worker of another machine whose file is not locked, or of which nothing is
+//! ends, so no claim outlives its worker. NFS passes locks on to its server, but some mounts keep them to their
+//! machine, and some file systems have none. So a worker of another machine whose file is not locked, or of which nothing is
 //! known, counts as alive for as long as it touches its file; times are compared with each other, by one clock, and not
 //! with this machine's. Two workers that take over a dead one's claim in the same moment both compute the item: the
 //! records that they write are the same.
@@ -14,7 +14,7 @@ use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 /// Folders of claims and of workers.
 pub(super) const CLAIMS: &str = "claims";
@@ -144,9 +144,7 @@ impl Worker {
         let _ = std::fs::write(&self.file, "alive\n");
         let time = |path: &Path| path.metadata().and_then(|data| data.modified()).ok();
         match (time(file), time(&self.file)) {
-            (Some(theirs), Some(ours)) => {
-                ours.duration_since(theirs).or_else(|_| theirs.duration_since(ours)).is_ok_and(|apart| apart < DEAD)
-            }
+            (Some(theirs), Some(ours)) => is_near(theirs, ours),
             _ => false,
         }
     }
@@ -178,8 +176,19 @@ fn is_locked(file: &Path) -> Option<bool> {
 
 /// How many workers of a folder are alive.
 pub(super) fn alive(folder: &Path) -> usize {
+    let (now, ours) = (SystemTime::now(), host());
+    let recent = |file: &Path| file.metadata().and_then(|data| data.modified()).is_ok_and(|time| is_near(time, now));
+    let lives = |file: &Path, name: &str| match is_locked(file) {
+        Some(false) => host_of(name) != Some(&ours) && recent(file),
+        Some(true) | None => true,
+    };
     let entries = std::fs::read_dir(folder.join(WORKERS)).into_iter().flatten().flatten();
-    entries.filter(|entry| is_locked(&entry.path()).unwrap_or(true)).count()
+    entries.filter(|entry| lives(&entry.path(), &entry.file_name().to_string_lossy())).count()
+}
+
+/// Whether two times are less apart than a living worker's touches.
+fn is_near(one: SystemTime, other: SystemTime) -> bool {
+    one.duration_since(other).or_else(|_| other.duration_since(one)).is_ok_and(|apart| apart < DEAD)
 }
 
 /// The machine in a worker's name.
@@ -203,7 +212,7 @@ mod tests {
 
     /// Makes a file older than a worker that lives lets its own become.
     fn set_back(file: &Path) {
-        let old = std::time::SystemTime::now() - 2 * DEAD;
+        let old = SystemTime::now() - 2 * DEAD;
         File::options().write(true).open(file).unwrap().set_modified(old).unwrap();
     }
 
@@ -264,7 +273,7 @@ mod tests {
         assert_eq!(worker.claim("8").unwrap(), Claimed::Ours);
         // A clock set back makes the future no sign of life.
         std::fs::write(&cut, "").unwrap();
-        let ahead = std::time::SystemTime::now() + 2 * DEAD;
+        let ahead = SystemTime::now() + 2 * DEAD;
         File::options().write(true).open(&cut).unwrap().set_modified(ahead).unwrap();
         assert_eq!(worker.claim("8").unwrap(), Claimed::Ours);
     }
@@ -279,8 +288,10 @@ mod tests {
         std::fs::write(&file, "alive\n").unwrap();
         std::fs::write(place.path().join(CLAIMS).join("7"), &theirs).unwrap();
         assert_eq!(worker.claim("7").unwrap(), Claimed::Taken);
+        assert_eq!(alive(place.path()), 2);
         set_back(&file);
         assert_eq!(worker.claim("7").unwrap(), Claimed::Ours);
+        assert_eq!(alive(place.path()), 1);
         // Who has ended as it should has no file.
         std::fs::write(place.path().join(CLAIMS).join("8"), &theirs).unwrap();
         std::fs::remove_file(&file).unwrap();

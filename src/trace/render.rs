@@ -31,8 +31,8 @@ const LEDGER_PHOTONS: u64 = 1 << 20;
 /// Camera paths to a photon where photons find only what unfolding leaves.
 const PATHS_TO_A_PHOTON: u64 = 8;
 /// Fewest photons for a map or a splat, unless asked for fewer, however few the camera paths: with 2^20 of them an 8 x
-/// 8 block of `phantom-size-8mm` lies up to 10 % off its mirror image, and blocks of 16 x 16 pixels are known to 1 %;
-/// this halves both.
+/// 8 block of `phantom-size-8mm` without mirror images lies up to 10 % off that across the axis, and blocks of 16 x 16
+/// pixels are known to 1 %; this halves both.
 const LEAST_PHOTONS: u64 = 1 << 22;
 /// The same where unfolding finds most light.
 const LEAST_PHOTONS_BESIDE_UNFOLDING: u64 = 1 << 20;
@@ -43,8 +43,8 @@ const PHOTON_SHARE: f64 = 0.5;
 /// Edge of the blocks in which a shape is looked for, and that in images of few pixels.
 const AREA_PIXELS: u32 = 16;
 const FEW_AREA_PIXELS: u32 = 4;
-/// Largest error of such a block without a word. Where it is 1 %, blocks of 8 x 8 pixels differ by up to 10 % from
-/// their mirror images, and 1 % of contrast is 4 to 10 % of an inclusion's modulus (docs/PHYSICS.md, 11).
+/// Largest error of such a block without a word. Where it is 1 %, blocks of 8 x 8 pixels may differ by 10 % from
+/// those across the axis, and 1 % of contrast is 4 to 10 % of an inclusion's modulus (docs/PHYSICS.md, 11).
 const BLOTCHES: f64 = 0.0075;
 /// Largest share of photons, and of camera paths, that may get lost; a single one of few tells nothing about the share.
 const LOST_TOLERANCE: f64 = 1e-6;

@@ -189,6 +189,9 @@ fn a_study_tells_true_against_estimated() {
     assert_eq!(page.contains("Estimated against true size"), size["known"] != 0);
     // What is there is not computed again, and says the same.
     assert_eq!(json(&study(&[]))["quantities"], said["quantities"]);
+    let output = study(&["--force"]);
+    assert_eq!((code(&output), &json(&output)["error"]["kind"]), (2, &"usage".into()), "{output:?}");
+    assert!(table == std::fs::read_to_string(out.join("estimates.csv")).unwrap());
 
     // A folder of something else stays as it is.
     std::fs::create_dir(place.path().join("other")).unwrap();
