@@ -7,8 +7,9 @@
 Renders one scene with many seeds, as a sweep over `render.seed`, and prints for each figure how many intervals hold the
 mean over all seeds, with the interval of Clopper and Pearson, and the claimed over the true spread. `disc` is
 `contact-disc`, `bright` the same exposed until pixels saturate, `noisy` the few camera paths of `dent-cap`, exposed
-alike: of what saturates in both the truth is that of 256 times the samples. `phantom` is the pressed `phantom-size-8mm`, `null` the same with an inclusion of the tissue's own
-material, where the signal of the inclusion is to hold 0; `less` has the paper's figures of what the inclusion adds.
+alike: of what saturates in both the truth is that of 256 times the samples. `phantom` is the pressed
+`phantom-size-8mm`, `null` the same with an inclusion of the tissue's own material, where the signal of the inclusion is
+to hold 0; `less` has the paper's figures of what the inclusion adds.
 `press` draws as many phantoms at random instead: do intervals of force and peak pressure hold what a mesh of three
 times the resolution gives? Needs scipy.
 """

@@ -3,10 +3,10 @@
 //! A worker holds the lock of a file of its own for as long as it lives. It claims an item by making a file that names
 //! it. A claim counts while its worker's file is locked: the system lets go of a lock when its program ends, however it
 //! ends, so no claim outlives its worker. NFS passes locks on to its server, but some mounts keep them to their
-//! machine, and some file systems have none. So a worker of another machine whose file is not locked, or of which nothing is
-//! known, counts as alive for as long as it touches its file; times are compared with each other, by one clock, and not
-//! with this machine's. Two workers that take over a dead one's claim in the same moment both compute the item: the
-//! records that they write are the same.
+//! machine, and some file systems have none. So a worker of another machine whose file is not locked, or of which
+//! nothing is known, counts as alive for as long as it touches its file. For claims times are compared with each other,
+//! by one clock, and not with this machine's. Two workers that take over a dead one's claim in the same moment both
+//! compute the item: the records that they write are the same.
 
 use super::OutputError;
 use std::fs::{File, TryLockError};
