@@ -48,7 +48,8 @@ def judge(case, asked, seeds, work, program):
     scene = f"{changed(name, changes)}\n[render]\n{given}"
     folder = Path(work) / f"{case.replace(' ', '-')}-{asked}"
     head = IMAGES + (f"target_error = {asked}\n" if asked else "")
-    rows = swept(folder, scene, ["mean_radiance"], SEEDS.replace("POINTS", str(seeds)), '{ kind = "grid" }', program, head)
+    vary = SEEDS.replace("POINTS", str(seeds))
+    rows = swept(folder, scene, ["mean_radiance"], vary, '{ kind = "grid" }', program, head)
     stack = images(folder, rows)
     truth = stack.mean(axis=0)
     lit = truth > 0.3 * np.quantile(truth, 0.99)
@@ -68,7 +69,8 @@ def main():
     parser.add_argument("--errors", type=float, nargs="+", default=[0.02, 0.01])
     parser.add_argument("--program", type=Path, default=ROOT / "target/release/tirtouch")
     wanted = parser.parse_args()
-    print("| scene | asked | claimed | true | claimed over true | true over claimed, 95 % of images | as good as asked |")
+    print("| scene | asked | claimed | true | claimed over true | true over claimed, 95 % of images ", end="")
+    print("| as good as asked |")
     print("|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as work:
         for case in CASES:

@@ -10,6 +10,8 @@ use std::f64::consts::{PI, SQRT_2};
 const REACH: f64 = 9.0;
 /// Steps of the table between them.
 const STEPS: usize = 1024;
+/// A smaller chance is none: less than what rounding does to the share of an image.
+const NONE: f64 = 1e-12;
 /// From so many electrons on their number is normal but for its skewness.
 const MANY: f64 = 1e4;
 
@@ -32,7 +34,10 @@ impl Saturation {
         // A few electrons are not normal: their upper tail is longer.
         let to = least.max(0.0) + reach + REACH * REACH;
         let step = (to - from) / STEPS as f64;
-        let chance = |k: usize| chance(from + step * k as f64, least, sensor.read_noise_e);
+        let chance = |k: usize| match chance(from + step * k as f64, least, sensor.read_noise_e) {
+            small if small < NONE => 0.0,
+            chance => chance,
+        };
         Self { from, step, chances: (0..=STEPS).map(chance).collect() }
     }
 
@@ -110,6 +115,7 @@ mod tests {
                 // Four standard errors, and what a table of these steps leaves.
                 assert!((expected - seen).abs() < 4.0 * error + 2e-4, "{sensor:?} {mean}: {expected} {seen}");
             }
+            assert_eq!(saturation.share(&[0.0, 0.0]), 0.0, "{sensor:?}");
             assert!((saturation.share(&[0.0, 1e12]) - 0.5).abs() < 1e-9, "{sensor:?}");
         }
     }
