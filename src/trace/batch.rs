@@ -230,7 +230,7 @@ impl<'a> Batch<'a> {
         let shift = pcg3d([self.seed, index, 2]).map(|v| f64::from(v) / 4_294_967_296.0);
         Ok(self.at_map(|| {
             let direct = (unfolded > 0).then(|| direct_light(model, unfolded, [shift[0], shift[1]]));
-            face.light(&deposits, sent, direct).folded(&model.symmetry, model.map_size)
+            face.light(&deposits, sent, direct)
         }))
     }
 

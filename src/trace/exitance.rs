@@ -14,7 +14,7 @@ use super::model::{Model, Tissue};
 use super::scatter::Scatter;
 use super::smooth::Smoother;
 use super::spread::Spread;
-use super::symmetry::Symmetry;
+use super::symmetry::Part;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::OnceLock;
@@ -42,22 +42,16 @@ pub struct ContactLight {
     direct: Option<[Vec<f64>; 2]>,
 }
 
-impl ContactLight {
-    /// The mean over what a model stays the same under.
-    #[must_use]
-    pub fn folded(self, symmetry: &Symmetry, size: [usize; 2]) -> Self {
-        let fold = |maps: [Vec<f64>; 2]| maps.map(|map| symmetry.folded(map, size));
-        Self { light: fold(self.light), direct: self.direct.map(fold) }
-    }
-}
-
 /// The touched face, cut into texels.
 pub struct TouchedFace {
-    columns: usize,
     /// Power of the LEDs over that of a unit of deposit.
     unit: f64,
     /// Area under tissue of each texel, mm^2.
     area: Vec<f64>,
+    /// What of the face tells the rest.
+    part: Part,
+    /// Areas of its texels.
+    part_area: Vec<f64>,
     /// That of a whole texel.
     texel_area: f64,
     /// Whether each of the maps is read: some of the face is in true contact, and some not.
@@ -125,38 +119,42 @@ impl Default for Smoothing {
 impl TouchedFace {
     /// Cuts the touched face of a model into the texels of its map.
     pub fn new(model: &Model<f64>) -> Self {
-        let [columns, rows] = model.map_size;
+        let part = model.symmetry.part(model.map_size);
         let size = [0, 1].map(|axis| 2.0 * model.half_size[axis] / model.map_size[axis] as f64);
-        let corner = |k: usize, axis: usize| k as f64 * size[axis] - model.half_size[axis];
-        let low = |k: usize| [corner(k % columns, 0), corner(k / columns, 1)];
+        let low = |cell: [usize; 2]| [0, 1].map(|axis| cell[axis] as f64 * size[axis] - model.half_size[axis]);
         let texel_area = size[0] * size[1];
-        let area: Vec<f64> = (0..columns * rows).map(|k| texel_area * tissue_share(model, low(k), size)).collect();
+        let part_area: Vec<f64> = part.cells().map(|cell| texel_area * tissue_share(model, low(cell), size)).collect();
+        let area = part.unfolded(&part_area);
         let after = model.tissue.as_ref().map_or(After::Read, |tissue| {
-            let share = (0..columns * rows).map(|k| contact_share(model, low(k), size)).collect();
-            After::of(model, tissue, share, &area, size)
+            let share: Vec<f64> = part.cells().map(|cell| contact_share(model, low(cell), size)).collect();
+            After::of(model, tissue, part.unfolded(&share), &area, size)
         });
         let uniform = model.tissue.as_ref().filter(|tissue| tissue.grid.is_empty()).map(|tissue| tissue.share);
         let both = model.tissue.as_ref().is_some_and(|tissue| tissue.scatter.is_half_space());
         let seen = [both || uniform != Some(0.0), both || uniform != Some(1.0)];
         let smoothed = model.map_smoothing;
-        Self { columns, unit: model.power / DEPOSIT_UNIT, area, texel_area, seen, after, smoothed }
+        Self { unit: model.power / DEPOSIT_UNIT, area, part, part_area, texel_area, seen, after, smoothed }
     }
 
-    /// Turns deposits of `sent` photons into light per area, beside light found without photons.
+    /// Turns deposits of `sent` photons into light per area, beside light found without photons: the mean over what the
+    /// model stays the same under.
     pub fn light(&self, deposits: &[u64], sent: f64, direct: Option<[Vec<f64>; 2]>) -> ContactLight {
         let each = self.unit / sent;
         let light = [0, 1].map(|which| {
             let fluxes = deposits.iter().skip(which).step_by(2);
-            fluxes.zip(&self.area).map(|(&flux, &a)| if a > 0.0 { flux as f64 * each / a } else { 0.0 }).collect()
+            let light = fluxes.zip(&self.area).map(|(&flux, &a)| if a > 0.0 { flux as f64 * each / a } else { 0.0 });
+            self.part.folded(&light.collect::<Vec<_>>())
         });
-        ContactLight { light, direct }
+        ContactLight { light, direct: direct.map(|maps| maps.map(|map| self.part.folded(&map))) }
     }
 
     /// What camera paths read, for each replicate: light times area beside the area, for true contact and for the gap;
     /// the exitance in place of the first, where light spreads; the exitance towards the map's two directions, where
     /// tissue is a half space.
     pub fn texels(&self, maps: &[ContactLight], smoothing: Smoothing) -> Vec<Vec<[f64; 4]>> {
-        let smoothers = smoothing.widths.map(|width| Smoother::new(&self.area, self.columns, width));
+        let smoothers = smoothing
+            .widths
+            .map(|width| Smoother::new(&self.part_area, self.part.size()[0], self.part.mirrored, width));
         let smooth = |map: &ContactLight| {
             [0, 1].map(|which| {
                 let mut light = smoothers[which].smooth(&map.light[which]);
@@ -165,7 +163,7 @@ impl TouchedFace {
                 }
                 // The kernel has a negative rim.
                 light.iter_mut().for_each(|v| *v = v.max(0.0));
-                light
+                self.part.unfolded(&light)
             })
         };
         let texels = |[one, other]: [Vec<f64>; 2]| -> Vec<[f64; 4]> {
@@ -218,7 +216,7 @@ impl TouchedFace {
         if groups < 3 || !self.smoothed {
             return Smoothing::default();
         }
-        let smoothers = Smoothers::new(&self.area, self.columns);
+        let smoothers = Smoothers::new(&self.part_area, self.part.size()[0], self.part.mirrored);
         let choose = |which: usize| {
             if !self.seen[which] {
                 return (1, 0.0);
@@ -230,7 +228,7 @@ impl TouchedFace {
             let direct = mean(maps.iter().filter_map(|map| map.direct.as_ref()).map(|direct| direct[which].as_slice()));
             let mut light = mean(parts.iter().map(Vec::as_slice));
             light.iter_mut().zip(&direct).for_each(|(v, direct)| *v += direct);
-            let square: f64 = light.iter().zip(&self.area).map(|(v, area)| v * v * area).sum();
+            let square: f64 = light.iter().zip(&self.part_area).map(|(v, area)| v * v * area).sum();
             (width, if bias > 0.0 { bias / square.sqrt() } else { 0.0 })
         };
         let (contact, gap) = rayon::join(|| choose(0), || choose(1));
@@ -242,18 +240,19 @@ impl TouchedFace {
 struct Smoothers<'a> {
     area: &'a [f64],
     columns: usize,
+    mirrored: [bool; 2],
     by_width: Vec<(usize, OnceLock<Smoother>)>,
 }
 
 impl<'a> Smoothers<'a> {
-    fn new(area: &'a [f64], columns: usize) -> Self {
+    fn new(area: &'a [f64], columns: usize, mirrored: [bool; 2]) -> Self {
         let by_width = WIDTHS.iter().flatten().map(|&width| (width, OnceLock::new())).collect();
-        Self { area, columns, by_width }
+        Self { area, columns, mirrored, by_width }
     }
 
     /// Each of the parts smoothed by boxes of a width.
     fn smooth(&self, parts: &[Vec<f64>], width: usize) -> Vec<Vec<f64>> {
-        let make = || Smoother::new(self.area, self.columns, width);
+        let make = || Smoother::new(self.area, self.columns, self.mirrored, width);
         match self.by_width.iter().find(|(known, _)| *known == width) {
             Some((_, smoother)) => {
                 let smoother = smoother.get_or_init(make);
@@ -278,7 +277,7 @@ impl<'a> Smoothers<'a> {
 /// extrapolated below v: where d is so wide that its bias no longer grows as a power, that would promise too much.
 fn width(parts: &[Vec<f64>], smoothers: &Smoothers) -> (usize, f64) {
     let (area, mut chosen) = (smoothers.area, (1, 0.0));
-    let Some(weights) = over_local_noise(parts, area, smoothers.columns) else {
+    let Some(weights) = over_local_noise(parts, smoothers) else {
         return chosen;
     };
     let mut known: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
@@ -303,14 +302,15 @@ fn width(parts: &[Vec<f64>], smoothers: &Smoothers) -> (usize, f64) {
 }
 
 /// Areas over the variance that the parts show about each texel; none where they do not differ, or nothing is touched.
-fn over_local_noise(parts: &[Vec<f64>], area: &[f64], columns: usize) -> Option<Vec<f64>> {
+fn over_local_noise(parts: &[Vec<f64>], smoothers: &Smoothers) -> Option<Vec<f64>> {
+    let area = smoothers.area;
     if area.iter().all(|&area| area <= 0.0) {
         return None;
     }
     let whole = mean(parts.iter().map(Vec::as_slice));
     let square = |k: usize| parts.iter().map(|part| (part[k] - whole[k]).powi(2)).sum::<f64>();
     let squares: Vec<f64> = (0..area.len()).map(square).collect();
-    let about = Smoother::new(area, columns, ABOUT).mean(&squares);
+    let about = Smoother::new(area, smoothers.columns, smoothers.mirrored, ABOUT).mean(&squares);
     let mut noisy: Vec<f64> = about.iter().copied().filter(|&v| v > 0.0).collect();
     noisy.sort_by(f64::total_cmp);
     let least = LEAST_NOISE * noisy.get(noisy.len() / 2)?;
@@ -391,6 +391,7 @@ mod tests {
     use super::*;
 
     const COLUMNS: usize = 64;
+    const WHOLE: [bool; 2] = [false; 2];
 
     /// Independent estimates of `light`, each of `photons` a texel on average (normal noise of Poisson's variance).
     fn parts(light: impl Fn(f64, f64) -> f64, photons: f64) -> Vec<Vec<f64>> {
@@ -419,18 +420,18 @@ mod tests {
         let area = vec![1.0; COLUMNS * COLUMNS];
         let bump = |x: f64, y: f64| 2.0 + (3.0 * x).sin() * (2.0 * y).cos();
         let noisy = parts(bump, 20.0);
-        let (wide, bias) = width(&noisy, &Smoothers::new(&area, COLUMNS));
+        let (wide, bias) = width(&noisy, &Smoothers::new(&area, COLUMNS, WHOLE));
         let raw = error(&noisy[0], bump);
-        let smooth = error(&Smoother::new(&area, COLUMNS, wide).smooth(&noisy[0]), bump);
+        let smooth = error(&Smoother::new(&area, COLUMNS, WHOLE, wide).smooth(&noisy[0]), bump);
         let light = COLUMNS as f64 * 2.0;
         assert!(wide >= 9 && bias < 0.01 * light, "{wide} {bias}");
         assert!(smooth < 0.11 * raw, "{smooth} {raw}");
         // The same noise about an edge: the kernel stays at the texel where photons abound.
         let edge = |x: f64, _: f64| if x < 0.5 { 1.0 } else { 2.0 };
-        assert_eq!(width(&parts(edge, 2e4), &Smoothers::new(&area, COLUMNS)).0, 1);
+        assert_eq!(width(&parts(edge, 2e4), &Smoothers::new(&area, COLUMNS, WHOLE)).0, 1);
         let nothing = vec![0.0; COLUMNS * COLUMNS];
         assert_eq!(
-            width(&parts(bump, 20.0), &Smoothers::new(&nothing, COLUMNS)),
+            width(&parts(bump, 20.0), &Smoothers::new(&nothing, COLUMNS, WHOLE)),
             (1, 0.0),
             "a face that nothing touches"
         );
@@ -441,14 +442,14 @@ mod tests {
         let area = vec![1.0; COLUMNS * COLUMNS];
         let bump = |x: f64, y: f64| 1.0 + 4.0 * (-((x - 0.5).powi(2) + (y - 0.5).powi(2)) / 0.02).exp();
         let sound = parts(bump, 3.0);
-        let (expected, _) = width(&sound, &Smoothers::new(&area, COLUMNS));
+        let (expected, _) = width(&sound, &Smoothers::new(&area, COLUMNS, WHOLE));
         assert!(expected > 1, "nothing is smoothed");
         for strong in [30.0, 300.0] {
             let mut struck = sound.clone();
             // In one of the parts, on 5 x 5 texels. With one measure of noise for the face: 9 and 13 texels in place of
             // 3.
             (0..25).for_each(|k| struck[3][(k / 5 + 2) * COLUMNS + k % 5 + 2] += strong);
-            assert_eq!(width(&struck, &Smoothers::new(&area, COLUMNS)).0, expected, "{strong}");
+            assert_eq!(width(&struck, &Smoothers::new(&area, COLUMNS, WHOLE)).0, expected, "{strong}");
         }
     }
 
@@ -467,13 +468,13 @@ mod tests {
             .collect();
         for photons in [3.0, 10.0, 30.0] {
             let parts = parts(light, photons);
-            let (wide, _) = width(&parts, &Smoothers::new(&area, COLUMNS));
+            let (wide, _) = width(&parts, &Smoothers::new(&area, COLUMNS, WHOLE));
             let bias = |width| {
-                let smooth = Smoother::new(&area, COLUMNS, width).smooth(&exact);
+                let smooth = Smoother::new(&area, COLUMNS, WHOLE, width).smooth(&exact);
                 let square = |k: usize| area[k] * (smooth[k] - exact[k]).powi(2);
                 (0..area.len()).map(square).sum::<f64>().sqrt()
             };
-            let smoother = Smoother::new(&area, COLUMNS, wide);
+            let smoother = Smoother::new(&area, COLUMNS, WHOLE, wide);
             let smoothed: Vec<Vec<f64>> = parts.iter().map(|part| smoother.smooth(part)).collect();
             let noise = Square::of(&smoothed, &area).noise.sqrt();
             assert!(bias(wide) < 0.5 * noise, "{wide}: {} of {noise}", bias(wide));

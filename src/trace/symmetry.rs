@@ -3,7 +3,7 @@
 //! Mirrored across a plane through the axis, (x, y) goes to (-x, y) or to (x, -y); both together are half a turn. A
 //! model has those symmetries under which its LEDs, interfaces and tissue are their own images; outline, layers and
 //! camera have them all. Light is then the same at a place and at its images, and a map of photons is the mean over the
-//! images of each texel: up to four times as many photons for nothing.
+//! images of each texel: up to four times as many photons for nothing. It is smoothed on the part that tells the rest.
 //!
 //! Camera paths are traced for all pixels (docs/decisions/symmetry.md).
 
@@ -45,24 +45,57 @@ impl Symmetry {
         self.moves.len() as u32
     }
 
-    /// Each cell of a grid about the axis with the mean over its images.
-    #[must_use]
-    pub fn folded(&self, cells: Vec<f64>, size: [usize; 2]) -> Vec<f64> {
-        let (mut cells, order) = (cells, self.moves.len());
-        if order < 2 || cells.len() != size[0] * size[1] {
-            return cells;
-        }
-        for first in 0..cells.len() {
-            let images = self.moves.iter().map(|one| {
-                let [column, row] = one.cell([first % size[0], first / size[0]], size);
-                row * size[0] + column
-            });
-            if images.clone().all(|image| image >= first) {
-                let mean = images.clone().map(|image| cells[image]).sum::<f64>() / order as f64;
-                images.for_each(|image| cells[image] = mean);
+    /// The part of a grid about the axis, of so many columns and rows, that tells the whole.
+    pub fn part(&self, whole: [usize; 2]) -> Part {
+        let mirrored = |axis: usize, one| self.moves.contains(&one) && whole[axis].is_multiple_of(2);
+        Part { moves: self.moves.clone(), whole, mirrored: [mirrored(0, ACROSS), mirrored(1, DOWN)] }
+    }
+}
+
+/// The cells of a grid that tell all others: the lower half along each axis across which its field is mirrored. A line
+/// of cells in the middle, or half a turn alone, leaves all cells in it.
+#[derive(Debug, Clone)]
+pub struct Part {
+    moves: Vec<Move>,
+    whole: [usize; 2],
+    /// Whether the field goes on beyond the upper end of each axis, mirrored.
+    pub mirrored: [bool; 2],
+}
+
+impl Part {
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [0, 1].map(|axis| if self.mirrored[axis] { self.whole[axis] / 2 } else { self.whole[axis] })
+    }
+
+    /// Column and row of each of its cells.
+    pub fn cells(&self) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let [columns, rows] = self.size();
+        (0..columns * rows).map(move |k| [k % columns, k / columns])
+    }
+
+    /// The mean of a field of the whole grid over the images of each cell of the part.
+    pub fn folded(&self, field: &[f64]) -> Vec<f64> {
+        let value = |one: &Move, at| {
+            let [column, row] = one.cell(at, self.whole);
+            field[row * self.whole[0] + column]
+        };
+        let mean = |at| self.moves.iter().map(|one| value(one, at)).sum::<f64>() / self.moves.len() as f64;
+        self.cells().map(mean).collect()
+    }
+
+    /// The field of the whole grid that a part tells.
+    pub fn unfolded(&self, part: &[f64]) -> Vec<f64> {
+        let ([columns, rows], mut field) = (self.size(), Vec::with_capacity(self.whole[0] * self.whole[1]));
+        for row in 0..self.whole[1] {
+            let own = if row < rows { row } else { self.whole[1] - 1 - row };
+            let row = &part[own * columns..][..columns];
+            field.extend_from_slice(row);
+            if self.mirrored[0] {
+                field.extend(row.iter().rev());
             }
         }
-        cells
+        field
     }
 }
 
@@ -187,15 +220,24 @@ mod tests {
     fn a_folded_map_is_its_own_image_and_keeps_its_sum() {
         let number = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) % 1009);
         let all = Symmetry::of(&model(&preset("contact-disc").unwrap()));
-        for size in [[6, 6], [5, 5], [6, 4]] {
-            let cells: Vec<f64> = (0..(size[0] * size[1]) as u32).map(number).collect();
-            let folded = all.folded(cells.clone(), size);
-            let (before, after) = (cells.iter().sum::<f64>(), folded.iter().sum::<f64>());
+        for (size, cells) in [([6, 6], 9), ([5, 5], 25), ([6, 4], 6), ([5, 4], 10)] {
+            let field: Vec<f64> = (0..(size[0] * size[1]) as u32).map(number).collect();
+            let part = all.part(size);
+            let told = part.folded(&field);
+            let folded = part.unfolded(&told);
+            assert_eq!((told.len(), part.cells().count(), folded.len()), (cells, cells, field.len()));
+            let (before, after) = (field.iter().sum::<f64>(), folded.iter().sum::<f64>());
             assert!((before - after).abs() < 1e-9 * before);
-            assert_eq!(folded, all.folded(folded.clone(), size));
-            assert_eq!(folded[0], folded[size[0] - 1]);
-            assert_eq!(folded[1], folded[size[0] - 2]);
-            assert_eq!(Symmetry::none().folded(cells.clone(), size), cells);
+            let last = folded.len() - 1;
+            for (k, value) in folded.iter().enumerate() {
+                let across = k / size[0] * size[0] + size[0] - 1 - k % size[0];
+                assert_eq!([folded[across], folded[last - k]], [*value; 2]);
+            }
+            assert_eq!(told, part.folded(&folded));
+            assert_eq!(Symmetry::none().part(size).folded(&field), field);
         }
+        // Half a turn has a mean, but no part.
+        let turned = Symmetry { moves: vec![STILL, ABOUT] }.part([2, 2]);
+        assert_eq!(turned.folded(&[1.0, 2.0, 4.0, 5.0]), [3.0; 4]);
     }
 }
