@@ -71,18 +71,23 @@ pub fn three_digits(value: f64) -> String {
     }
 }
 
-/// How many significant digits numbers are written with: three, or as many as tell some values apart.
+/// How many significant digits numbers are written with: three, or as many as write some values out, seven at most;
+/// else as many as tell them apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Digits(usize);
 
 impl Digits {
-    /// As many as tell these apart.
+    /// As many as write these out, or tell them apart.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let values: Vec<f64> = values.into_iter().collect();
         let count = |texts: &mut dyn Iterator<Item = String>| texts.collect::<BTreeSet<_>>().len();
         let all = count(&mut values.iter().map(ToString::to_string));
         let tell = |digits: &usize| count(&mut values.iter().map(|value| Self(*digits).written(*value))) == all;
-        Self((3..17).find(tell).unwrap_or(17))
+        // But for the rounding of an axis' steps.
+        let is_told =
+            |text: &str, value: f64| text.parse::<f64>().is_ok_and(|told| (told - value).abs() <= 1e-12 * value.abs());
+        let out = |digits: &usize| values.iter().all(|value| is_told(&Self(*digits).written(*value), *value));
+        Self((3..8).find(|digits| tell(digits) && out(digits)).or_else(|| (3..17).find(tell)).unwrap_or(17))
     }
 
     /// A number with so many.
@@ -112,6 +117,9 @@ mod tests {
         let digits = Digits::of(grid());
         let texts: Vec<String> = grid().map(|value| digits.written(value)).collect();
         assert_eq!(texts, ["1.4", "1.405", "1.41", "1.415", "1.42", "1.425", "1.43"]);
+        let steps = [1.405, 1.405 + 3.0 * 0.01];
+        assert_eq!(steps.map(|value| Digits::of(steps).written(value)), ["1.405", "1.435"]);
+        assert_eq!(Digits::of([1_048_577.0]).written(1_048_577.0), "1048577");
         assert_eq!(Digits::of([120.0, 5.0, 5.0]).written(0.123_45), "0.123");
         assert_ne!(Digits::of([1.0, 1.0 + f64::EPSILON]).written(1.0 + f64::EPSILON), "1");
         assert_eq!(Digits::of([]), Digits(3));

@@ -43,6 +43,8 @@ mod press;
 mod stability;
 #[path = "cli/sweep.rs"]
 mod sweep;
+#[path = "cli/sweep_points.rs"]
+mod sweep_points;
 #[path = "cli/view.rs"]
 mod view;
 

@@ -162,8 +162,16 @@ pub fn print(text: &str) -> Result<(), Failure> {
 }
 
 fn write_line(text: &str) -> Result<(), Failure> {
+    write_exactly(&format!("{}\n", text.trim_end()))
+}
+
+/// Writes a file's text to standard output, as it is. Whoever closes it has seen enough.
+///
+/// # Errors
+/// When it cannot be written.
+fn write_exactly(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    match writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush()) {
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Failure::failed(format!("standard output cannot be written: {error}")))
         }

@@ -3,7 +3,7 @@
 use super::command::{command_line, described, program};
 use super::flags::{Backend, Place};
 use super::job::watched;
-use super::{Common, Failure, Outcome, Talk, note, print};
+use super::{Common, Failure, Outcome, Talk, note, write_exactly};
 use crate::output::leftovers::leftovers;
 use crate::output::{RESULT, Records};
 use crate::pages::sweep::{text, write};
@@ -282,7 +282,7 @@ impl OfFolder {
 impl SceneOf {
     fn print(&self) -> Result<Outcome, Failure> {
         let scene = Sweep::open(&self.sweep)?.scene_text(self.row);
-        print(&scene.map_err(|error| Failure::of_point(&error, &self.sweep))?)?;
+        write_exactly(&scene.map_err(|error| Failure::of_point(&error, &self.sweep))?)?;
         Ok(Outcome::Done)
     }
 }

@@ -47,7 +47,7 @@ pub enum Remedy {
 }
 
 impl OutputError {
-    pub(super) fn refused(place: &Path, why: impl Into<String>, remedy: Remedy) -> Self {
+    pub(crate) fn refused(place: &Path, why: impl Into<String>, remedy: Remedy) -> Self {
         Self::Refused { place: place.into(), why: why.into(), remedy }
     }
 

@@ -26,9 +26,9 @@ const TABLES: [&str; 10] = [
 /// An image that is being written.
 pub(super) const PARTIAL: &str = "partial";
 
-pub(super) fn damaged(folder: &Path) -> OutputError {
+pub(super) fn damaged(folder: &Path, remedy: Remedy) -> OutputError {
     let why = format!("{ITEMS}/{ORDER} in it is damaged, so that nothing tells what its records are of");
-    OutputError::refused(folder, why, Remedy::Replace)
+    OutputError::refused(folder, why, remedy)
 }
 
 /// Whether a folder holds nothing but an empty folder of items, and what a killed run was writing.
@@ -58,11 +58,14 @@ pub(super) fn strange(folder: &Path) -> Option<PathBuf> {
     let named = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let is_ours = |path: &PathBuf| {
         let name = named(path);
-        let figures = name.starts_with("converge") && (name.ends_with(".csv") || name.ends_with(".svg"));
+        let between = |start: &str, end: &str| name.strip_prefix(start)?.strip_suffix(end).map(str::to_owned);
+        let figures = name == "converge.csv" || between("converge_", ".svg").is_some();
+        let job = between("job-", ".log").is_some_and(|task| task.bytes().all(|byte| byte.is_ascii_digit()));
+        // What a killed run was writing has six letters and digits.
+        let writing = between(".tmp", "").is_some_and(|end| end.len() == 6 && end.chars().all(char::is_alphanumeric));
         match path.is_dir() {
             true => [ITEMS, CLAIMS, WORKERS, SPLITS[0], SPLITS[1]].contains(&name.as_str()),
-            // `.tmp...` is what a killed run was writing.
-            false => figures || TABLES.contains(&name.as_str()) || name.starts_with(".tmp") || name.starts_with("job-"),
+            false => figures || job || writing || TABLES.contains(&name.as_str()),
         }
     };
     let is_item = |path: &PathBuf| {
@@ -72,11 +75,19 @@ pub(super) fn strange(folder: &Path) -> Option<PathBuf> {
     // Images of points begin with their row.
     let is_image = |path: &PathBuf| {
         let name = named(path);
-        path.is_file() && (name == "metadata.csv" || name.bytes().take(7).filter(u8::is_ascii_digit).count() == 7)
+        let of_row = name.bytes().take(7).filter(u8::is_ascii_digit).count() == 7;
+        let image = [".png", ".exr", ".npy"].iter().any(|kind| name.ends_with(kind));
+        path.is_file() && (name == "metadata.csv" || of_row && image)
     };
+    let is_folder = |path: &PathBuf| path.is_dir();
+    let marks = || [CLAIMS, WORKERS].iter().flat_map(|of| entries(&folder.join(of))).find(is_folder);
     let items = folder.join(ITEMS);
     let images = || SPLITS.iter().flat_map(|split| entries(&folder.join(split))).find(|path| !is_image(path));
-    entries(folder).find(|path| !is_ours(path)).or_else(|| entries(&items).find(|path| !is_item(path))).or_else(images)
+    entries(folder)
+        .find(|path| !is_ours(path))
+        .or_else(|| entries(&items).find(|path| !is_item(path)))
+        .or_else(images)
+        .or_else(marks)
 }
 
 /// Where two orders differ first, in words.

@@ -74,7 +74,7 @@ impl Records {
                     .map_err(|error| OutputError::failed(folder, format!("cannot be replaced: {error}")))?;
             }
             (true, Some(_)) => return refused("exists", Remedy::GoOn),
-            (true, None) if records.is_damaged() => return Err(damaged(folder)),
+            (true, None) if records.is_damaged() => return Err(damaged(folder, Remedy::Replace)),
             // A run that was killed before it came to its order.
             (true, None) if is_bare(folder) => {}
             (true, None) => return refused("exists and holds no records", Remedy::Elsewhere),
@@ -105,7 +105,7 @@ impl Records {
             }
         }
         let shared = Self { folder: folder.into(), hold: Hold::Shared(Worker::new(folder)?) };
-        let old: Value = shared.read_json(ORDER).ok_or_else(|| damaged(folder))?;
+        let old: Value = shared.read_json(ORDER).ok_or_else(|| damaged(folder, Remedy::Replace))?;
         if old != *order {
             let why = format!("holds the records of another order: {}", difference(&old, order));
             return Err(OutputError::refused(folder, why, Remedy::Elsewhere));
@@ -122,7 +122,7 @@ impl Records {
         let records = Self { folder: folder.into(), hold: Hold::Read };
         match records.read_json(ORDER) {
             Some(order) => Ok((records, order)),
-            None if records.is_damaged() => Err(damaged(folder)),
+            None if records.is_damaged() => Err(damaged(folder, Remedy::Mend)),
             None => Err(OutputError::refused(folder, "holds no records", Remedy::Mend)),
         }
     }
@@ -170,6 +170,18 @@ impl Records {
     /// When it cannot be written.
     pub fn keep_item<T: Serialize>(&self, name: &str, value: &T) -> Result<(), OutputError> {
         self.keep(&format!("{name}.json"), value)
+    }
+
+    /// Takes back what is kept of an item, if it is there.
+    ///
+    /// # Errors
+    /// When it cannot be removed.
+    pub fn forget_item(&self, name: &str) -> Result<(), OutputError> {
+        let path = self.place(&format!("{name}.json"));
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(unwritable(&path, &error)),
+            _ => Ok(()),
+        }
     }
 
     /// Whether the order is there but cannot be read.
@@ -361,12 +373,26 @@ mod tests {
         assert!(is_refused(&Records::open(&folder, &json!(1), false, false)));
         assert!(is_refused(&Records::open(&folder, &json!(2), false, true)));
         Records::open(&folder, &json!(2), true, false).unwrap();
-        for strange in ["notes.txt", "items/notes.txt"] {
-            std::fs::write(folder.join(strange), "mine").unwrap();
+        for (strange, said) in [
+            ("notes.txt", "notes.txt"),
+            ("items/notes.txt", "items/notes.txt"),
+            ("job-notes.txt", "job-notes.txt"),
+            ("converge-mine.csv", "converge-mine.csv"),
+            (".tmp-notes", ".tmp-notes"),
+            ("train/0000001.note", "0000001.note"),
+            ("claims/mine/thesis.tex", "claims/mine"),
+        ] {
+            let strange = folder.join(strange);
+            std::fs::create_dir_all(strange.parent().unwrap()).unwrap();
+            std::fs::write(&strange, "mine").unwrap();
             let refused = Records::open(&folder, &json!(2), true, false);
-            assert!(is_refused(&refused) && refused.err().unwrap().to_string().contains("notes.txt"));
-            std::fs::remove_file(folder.join(strange)).unwrap();
+            assert!(is_refused(&refused) && refused.err().unwrap().to_string().contains(said), "{said}");
+            std::fs::remove_file(strange).unwrap();
         }
+        std::fs::remove_dir(folder.join("claims/mine")).unwrap();
+        ["job-12.log", ".tmpAb12Cd", "converge_camera paths.svg", "train/0000001.png"].iter().for_each(|ours| {
+            std::fs::write(folder.join(ours), "ours").unwrap();
+        });
         let records = Records::open(&folder, &json!(2), true, false).unwrap();
         let second = Records::open(&folder, &json!(2), false, true);
         assert!(is_refused(&second) && second.err().unwrap().to_string().contains("another run"));

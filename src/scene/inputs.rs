@@ -75,7 +75,7 @@ impl Inputs {
     }
 
     /// Reads a file and keeps it. One that cannot be read is not kept: who needs it is told why.
-    pub(super) fn keep(&mut self, file: &Path) {
+    pub(crate) fn keep(&mut self, file: &Path) {
         if !self.kept.contains_key(file)
             && let Ok(input) = self.open(file)
         {
@@ -91,9 +91,9 @@ impl Inputs {
         self.kept.get(file).map_or_else(|| Input::read(self.resolve(file)), |input| Ok(input.clone()))
     }
 
-    /// SHA-256 of each of these files of keys, in hexadecimal; those that cannot be read are left out.
-    pub(super) fn hashes(&self, files: Vec<(String, &Path)>) -> BTreeMap<PathBuf, String> {
-        files.into_iter().filter_map(|(_, file)| Some((file.to_path_buf(), self.open(file).ok()?.sha256))).collect()
+    /// SHA-256 of each of these files, in hexadecimal; those that cannot be read are left out.
+    pub(crate) fn hashes<'a>(&self, files: impl IntoIterator<Item = &'a Path>) -> BTreeMap<PathBuf, String> {
+        files.into_iter().filter_map(|file| Some((file.to_path_buf(), self.open(file).ok()?.sha256))).collect()
     }
 }
 
@@ -109,7 +109,7 @@ mod tests {
         let file = Path::new("a.csv");
         let mut inputs = Inputs::of_folder(folder.path());
         write("one");
-        let hash = |inputs: &Inputs| inputs.hashes(vec![("key".into(), file)]);
+        let hash = |inputs: &Inputs| inputs.hashes([file]);
         let before = hash(&inputs);
         inputs.keep(file);
         write("two");

@@ -53,14 +53,14 @@ impl LoadedScene {
 
     /// SHA-256 of each file that the scene names, by the name as written; those that cannot be read are left out.
     pub fn inputs(&self) -> BTreeMap<PathBuf, String> {
-        self.files.hashes(self.scene.files())
+        self.files.hashes(self.scene.files().into_iter().map(|(_, file)| file))
     }
 }
 
 impl LoadedScan {
     /// As [`LoadedScene::inputs`].
     pub fn inputs(&self) -> BTreeMap<PathBuf, String> {
-        self.files.hashes(self.scene.files())
+        self.files.hashes(self.scene.files().into_iter().map(|(_, file)| file))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The file of a sweep: a scene, what varies, constraints, the design of points and what is measured.
 
 use super::{Images, Measure};
-use crate::output::{Item, OutputError, Records};
+use crate::output::{Item, OutputError, Records, Remedy};
 use crate::scene::{
     DataFileError, Input, Invalid, LoadedScene, SceneError, at_its_place, load, parse, parse_file, preset, read_text,
 };
@@ -9,6 +9,7 @@ use crate::vary::{Design, Plan, Point, Require, Vary};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
 /// A whole sweep file.
@@ -79,6 +80,8 @@ pub struct Sweep {
     pub plan: Plan,
     /// The design's table, if it has one.
     table: Option<String>,
+    /// Files that the scenes of its points name, and the base's.
+    named: BTreeSet<PathBuf>,
 }
 
 /// Why a point is not computed.
@@ -233,7 +236,9 @@ impl Sweep {
         rules(&file)?;
         let plan = Plan::new(&file.vary, &file.require, &file.sweep.design, table.as_deref())?;
         plan.check_places(&base.text)?;
-        let sweep = Self { name, file, text, base, base_file, plan, table };
+        let named = base.scene.files().into_iter().map(|(_, file)| file.to_path_buf()).collect();
+        let mut sweep = Self { name, file, text, base, base_file, plan, table, named };
+        sweep.check_overridden()?;
         let taken = sweep.own_columns();
         if let Some((k, name)) = sweep.plan.names().enumerate().find(|(_, name)| taken.iter().any(|own| own == name)) {
             let what = format!("{name} is a column of the tables already");
@@ -257,11 +262,63 @@ impl Sweep {
         {
             return Err(Invalid::new(format!("measure[{k}].kind"), "needs a scene with a [press] of inclusions"));
         }
-        // What all points share shows at the first one that the constraints leave.
-        let first = (0..sweep.plan.count().min(100)).find_map(|row| sweep.plan.point(row).ok());
-        match first.map(|point| sweep.scene(&point)) {
-            Some(Err(Rejected::Sweep(broken))) => Err(broken),
-            _ => Ok(sweep),
+        sweep.look_at_points()?;
+        Ok(sweep)
+    }
+
+    /// Refuses a key that varies and changes nothing, since the sweep says it for all points.
+    fn check_overridden(&self) -> Result<(), Invalid> {
+        let asked = &self.file.sweep;
+        let error = asked.target_error.is_some();
+        let said = [
+            ("render.seed", "sweep.seed", asked.seed.is_some()),
+            ("render.target_error", "sweep.target_error", error),
+            ("render.spp", "sweep.target_error", error),
+            ("render.photons", "sweep.target_error", error),
+        ];
+        for (k, keys) in self.plan.keys().enumerate() {
+            let varies = |key: &str| keys.iter().any(|one| one.to_string() == key);
+            if let Some((key, by, _)) = said.iter().find(|(key, _, is_said)| *is_said && varies(key)) {
+                return Err(Invalid::new(format!("vary[{k}].key"), format!("{key} changes nothing beside {by}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Looks at one point of each set of values that are no numbers: reads the files that it names, and refuses what all
+    /// points share.
+    fn look_at_points(&mut self) -> Result<(), Invalid> {
+        let (mut known, mut broken, mut makes_scenes) = (HashSet::new(), None, false);
+        for row in 0..self.plan.count() {
+            let words = self.plan.words(row);
+            if known.contains(&words) {
+                continue;
+            }
+            let Ok(point) = self.plan.point(row) else { continue };
+            let found = self.scene(&point);
+            makes_scenes |= !matches!(found, Err(Rejected::Sweep(_)));
+            match found {
+                Ok(loaded) => {
+                    for (_, file) in loaded.scene.files() {
+                        self.base.files.keep(file);
+                        self.named.insert(file.to_path_buf());
+                    }
+                    known.insert(words);
+                }
+                Err(Rejected::Sweep(why)) => {
+                    broken = broken.or(Some(why));
+                    known.insert(words);
+                }
+                // Other numbers may do.
+                Err(Rejected::Point(_)) => {}
+            }
+            if !self.plan.has_words() {
+                break;
+            }
+        }
+        match broken {
+            Some(broken) if !makes_scenes => Err(broken),
+            _ => Ok(()),
         }
     }
 
@@ -310,8 +367,12 @@ impl Sweep {
     /// yet is made; one that is there is gone on with where `resume` asks for it, or replaced by `force`.
     ///
     /// # Errors
-    /// As [`Records::join`]; a file that cannot be written.
+    /// A file that its scenes name and that cannot be read; as [`Records::join`]; a file that cannot be written.
     pub fn enter(&self, folder: &Path, force: bool, resume: bool) -> Result<Records, OutputError> {
+        if let Some(file) = self.named.iter().find(|file| self.base.files.open(file).is_err()) {
+            let place = self.base.files.resolve(file);
+            return Err(OutputError::refused(&place, "its scenes name it, and it cannot be read", Remedy::Mend));
+        }
         let records = Records::join(folder, &self.order(), force, resume)?;
         records.keep_item(PLACE, &self.place())?;
         records.write("sweep.toml", &self.text)?;
@@ -325,7 +386,7 @@ impl Sweep {
             "version": env!("CARGO_PKG_VERSION"),
             "sweep": self.text,
             "scene": self.base.text,
-            "inputs": self.base.inputs(),
+            "inputs": self.base.files.hashes(self.named.iter().map(PathBuf::as_path)),
             "table": self.table,
         })
     }

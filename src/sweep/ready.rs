@@ -2,7 +2,7 @@
 
 use super::record::item;
 use super::shelf::Presses;
-use super::{RandomNumbers, Record, Rejected, State, Sweep};
+use super::{RandomNumbers, Rejected, State, Sweep};
 use crate::mechanics::path::PathError;
 use crate::mechanics::press::{PressError, Pressed};
 use crate::output::{Claimed, Item, OutputError, Records};
@@ -58,18 +58,12 @@ pub(super) struct Task<'a> {
 }
 
 /// Makes one point after the other ready, until none is left or the caller stops.
-pub(super) fn work(
-    task: Task,
-    queue: &Mutex<VecDeque<usize>>,
-    stop: &AtomicBool,
-    retry: bool,
-    sender: SyncSender<Sent>,
-) {
+pub(super) fn work(task: Task, queue: &Mutex<VecDeque<usize>>, stop: &AtomicBool, sender: SyncSender<Sent>) {
     let mut session = Session::from(Devices::cpu(Precision::F32));
     loop {
         let next = queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
         let (Some(row), false) = (next, stop.load(Ordering::Relaxed)) else { return };
-        let sent = claimed(task, row, retry, &mut session, &mut |_| !stop.load(Ordering::Relaxed));
+        let sent = claimed(task, row, &mut session, &mut |_| !stop.load(Ordering::Relaxed));
         if sender.send(sent).is_err() {
             // Nobody is there to finish it any more.
             task.records.let_go(&item(row));
@@ -79,11 +73,10 @@ pub(super) fn work(
 }
 
 /// Makes a point ready that nobody else has.
-fn claimed(task: Task, row: usize, retry: bool, session: &mut Session, observe: &mut Observer) -> Sent {
+fn claimed(task: Task, row: usize, session: &mut Session, observe: &mut Observer) -> Sent {
     let Task { sweep, records, .. } = task;
     let name = item(row);
-    let is_kept = |record: &Record| !(retry && record.status == State::Failed);
-    let is_there = || matches!(sweep.item(records, row), Item::There(record) if is_kept(&record));
+    let is_there = || matches!(sweep.item(records, row), Item::There(_));
     if is_there() {
         return Sent::There;
     }
@@ -132,7 +125,7 @@ fn ready(
     };
     let loaded = sweep.scene(point).map_err(|rejected| match rejected {
         Rejected::Point(reason) => Some((State::Rejected, reason)),
-        Rejected::Sweep(broken) => Some((State::Failed, broken.to_string())),
+        Rejected::Sweep(broken) => Some((State::Rejected, broken.to_string())),
     })?;
     let order = order(sweep, &loaded);
     let shelf: &dyn Shelf = if shared.contains(&row) { presses } else { &() };

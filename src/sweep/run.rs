@@ -1,10 +1,11 @@
 //! Computing the points of a sweep: the next one is pressed while this one is traced.
 
-use super::Sweep;
 use super::finish::finish;
 use super::ready::{Sent, Task, work};
+use super::record::item;
 use super::shard::Shard;
 use super::shelf::Presses;
+use super::{State, Sweep};
 use crate::mechanics::from_scene::press_setup;
 use crate::output::{OutputError, Records};
 use crate::pipeline::Session;
@@ -76,6 +77,9 @@ pub fn run(
         Some(shard) => shard.of(&rows),
         None => rows,
     };
+    if options.retry {
+        forget_failures(sweep, records, &rows)?;
+    }
     let task = Task { sweep, records, shared: &shared, presses: &Presses::of(records) };
     let mut tally = Tally { done: 0, computed: 0, of: rows.len() };
     loop {
@@ -90,6 +94,12 @@ pub fn run(
             return Err(SweepError::Stopped);
         }
     }
+}
+
+/// Takes back the records of points that failed: from then on they are like any that nobody has computed.
+fn forget_failures(sweep: &Sweep, records: &Records, rows: &[usize]) -> Result<(), OutputError> {
+    let has_failed = |row: usize| sweep.record(records, row).is_some_and(|record| record.status == State::Failed);
+    rows.iter().filter(|row| has_failed(**row)).try_for_each(|row| records.forget_item(&item(*row)))
 }
 
 /// Points that ended, of those asked for.
@@ -157,7 +167,7 @@ fn pass(
     std::thread::scope(|scope| {
         for _ in 0..workers {
             let sender = sender.clone();
-            scope.spawn(|| on_its_share(workers, || work(task, &queue, &stop, options.retry, sender)));
+            scope.spawn(|| on_its_share(workers, || work(task, &queue, &stop, sender)));
         }
         drop(sender);
         let mut left = Vec::new();

@@ -34,20 +34,20 @@ impl Sweep {
     pub fn sensitivity(&self, records: &Records) -> Vec<(&'static str, Result<Sensitivity, String>)> {
         let columns: Vec<&'static str> = self.columns().collect();
         let mut figures = vec![Vec::with_capacity(self.plan.count()); columns.len()];
-        let mut missing = None;
+        let mut missing = vec![None; columns.len()];
         for row in 0..self.plan.count() {
             let record = self.record(records, row).filter(|record| record.status == State::Done);
             let values = record.map(|record| record.figures).unwrap_or_default();
-            for (k, figures) in figures.iter_mut().enumerate() {
+            for (k, (figures, missing)) in figures.iter_mut().zip(&mut missing).enumerate() {
                 match values.get(k).and_then(|told| told.value) {
                     Some(value) => figures.push(value),
-                    None => missing = missing.or(Some(row)),
+                    None => *missing = missing.or(Some(row)),
                 }
             }
         }
         let free = self.plan.free().len();
-        let of = |figures: &[f64]| {
-            if let (Some(row), true) = (missing, figures.len() < self.plan.count()) {
+        let of = |(figures, missing): (&Vec<f64>, &Option<usize>)| {
+            if let Some(row) = missing {
                 return Err(format!("the design is not complete: point {row} has no such figure"));
             }
             match self.file.sweep.design {
@@ -59,7 +59,7 @@ impl Sweep {
                 _ => Err("its design is not one of sensitivity".into()),
             }
         };
-        columns.iter().zip(&figures).map(|(name, figures)| (*name, of(figures))).collect()
+        columns.iter().zip(figures.iter().zip(&missing)).map(|(name, one)| (*name, of(one))).collect()
     }
 }
 
@@ -67,6 +67,7 @@ impl Sweep {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::output::Item;
     use crate::sweep::record::item;
     use crate::sweep::{Record, Seconds, Told};
     use std::f64::consts::PI;
@@ -78,7 +79,8 @@ mod tests {
             .map(|k| format!("[[vary]]\nname = \"x{k}\"\nkey = \"stack.layer[{k}].n\"\nuniform = [-{PI}, {PI}]\n"))
             .collect();
         let text = format!(
-            "[sweep]\nscene = \"preset:contact-disc\"\ndesign = {design}\n{vary}[[measure]]\nkind = \"mean_radiance\"\n"
+            "[sweep]\nscene = \"preset:contact-disc\"\ndesign = {design}\n{vary}[[measure]]\nkind = \"mean_radiance\"\n\
+             [[measure]]\nkind = \"mean_grey\"\n"
         );
         let sweep = Sweep::parse(&text, Path::new("sweep.toml")).unwrap();
         let records = sweep.enter(folder, false, false).unwrap();
@@ -91,7 +93,7 @@ mod tests {
                 reason: None,
                 scene_sha256: None,
                 values,
-                figures: vec![Told { value: Some(function(&x)), ..Told::default() }],
+                figures: vec![Told { value: Some(function(&x)), ..Told::default() }; 2],
                 traced: None,
                 images: Vec::new(),
                 version: String::new(),
@@ -119,6 +121,18 @@ mod tests {
         std::fs::remove_file(place.path().join("out/items/0000007.json")).unwrap();
         let found = sweep.sensitivity(&records);
         assert!(found[0].1.as_ref().unwrap_err().contains("point 7 has no such figure"), "{found:?}");
+        // Of several figures each names its own point.
+        let mut record: Record = match records.item(&item(2)) {
+            Item::There(record) => record,
+            other => panic!("{other:?}"),
+        };
+        record.figures.truncate(1);
+        records.keep_item(&item(2), &record).unwrap();
+        let found = sweep.sensitivity(&records);
+        for (k, row) in [(0, 7), (1, 2)] {
+            let said = format!("point {row} has no such figure");
+            assert!(found[k].1.as_ref().unwrap_err().contains(&said), "{found:?}");
+        }
     }
 
     #[test]

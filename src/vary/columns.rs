@@ -11,10 +11,11 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Reads a table; says why it is none.
+    /// Reads a table; says why it is none. Its head may begin with `#`, as numpy writes it.
     pub fn read(text: &str) -> Result<Self, String> {
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
+        let text = text.trim_start_matches('\u{feff}');
+        let text = text.strip_prefix('#').unwrap_or(text);
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let error = |error: csv::Error| format!("is no table: {error}");
         let names: Vec<String> = reader.headers().map_err(error)?.iter().map(str::to_owned).collect();
         if names.iter().any(String::is_empty) {

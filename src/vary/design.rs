@@ -13,7 +13,7 @@ use std::path::PathBuf;
 pub const MOST_POINTS: u64 = 1_000_000;
 /// Most points of a Sobol sequence, and its dimensions.
 const SOBOL: (u32, u32) = (1 << 16, sobol_burley::NUM_DIMENSIONS);
-/// Levels of a Morris design.
+/// Levels of what a Morris design draws; a list has one for each of its values.
 const LEVELS: u32 = 4;
 
 /// Which points are computed.
@@ -87,8 +87,9 @@ pub(super) enum Units {
         dimensions: u32,
         seed: u32,
     },
+    /// With so many levels of each dimension.
     Morris {
-        dimensions: u32,
+        levels: Vec<u32>,
         seed: u32,
     },
     Saltelli {
@@ -141,7 +142,8 @@ impl Design {
             }
             Self::Random { points, seed } => (Units::Random { dimensions, seed }, points.into()),
             Self::Morris { trajectories, seed } => {
-                (Units::Morris { dimensions, seed }, u64::from(trajectories) * u64::from(dimensions + 1))
+                let levels = lists.iter().map(|&length| if length > 0 { length as u32 } else { LEVELS }).collect();
+                (Units::Morris { levels, seed }, u64::from(trajectories) * u64::from(dimensions + 1))
             }
             Self::Saltelli { points, seed } => {
                 sobol_fits(points, 2 * dimensions)?;
@@ -202,18 +204,18 @@ impl Units {
                 let mut random = random(*seed, at);
                 (0..*dimensions).map(|_| random.uniform()).collect()
             }
-            Self::Morris { dimensions, seed } => {
+            Self::Morris { levels: of, seed } => {
+                let dimensions = of.len() as u32;
                 let (trajectory, step) = (at / (dimensions + 1), at % (dimensions + 1));
                 let mut random = random(*seed, trajectory);
-                let mut levels: Vec<u32> =
-                    (0..*dimensions).map(|_| below(&mut random, LEVELS as usize) as u32).collect();
-                let order = shuffled(&mut random, *dimensions);
+                let mut levels: Vec<u32> = of.iter().map(|&count| below(&mut random, count as usize) as u32).collect();
+                let order = shuffled(&mut random, dimensions);
                 for &moved in order.iter().take(step as usize) {
-                    if let Some(level) = levels.get_mut(moved as usize) {
-                        *level = (*level + LEVELS / 2) % LEVELS;
+                    if let (Some(level), Some(count)) = (levels.get_mut(moved as usize), of.get(moved as usize)) {
+                        *level = (*level + count / 2) % count;
                     }
                 }
-                levels.iter().map(|&level| (f64::from(level) + 0.5) / f64::from(LEVELS)).collect()
+                levels.iter().zip(of).map(|(&level, &count)| (f64::from(level) + 0.5) / f64::from(count)).collect()
             }
             Self::Saltelli { dimensions, seed } => {
                 let (base, block) = (at / (dimensions + 2), at % (dimensions + 2));
@@ -286,6 +288,21 @@ mod tests {
                 .collect();
             moved.sort_unstable();
             assert_eq!(moved, [0, 1, 2, 3, 4]);
+        }
+    }
+
+    #[test]
+    fn a_trajectory_draws_each_value_of_a_list_as_often() {
+        for length in [2, 3, 5, 8] {
+            let found = points(&Design::Morris { trajectories: 2000, seed: 1 }, &[length, 0]);
+            let mut counts = vec![0; length];
+            found.iter().for_each(|point| counts[(point[0] * length as f64) as usize] += 1);
+            // Each place of 6,000, half of which are moved ones: a binomial's spread, sixfold.
+            let (each, of) = (6000.0 / length as f64, 6.0 * (6000.0 / length as f64).sqrt());
+            assert!(counts.iter().all(|count| (f64::from(*count) - each).abs() < of), "{counts:?}");
+            let steps = found.chunks(3).map(|one| (one[2][0] - one[0][0]).abs() * length as f64);
+            let half = length / 2;
+            assert!(steps.into_iter().all(|step| [half, length - half].contains(&(step.round() as usize))));
         }
     }
 

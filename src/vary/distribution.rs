@@ -59,6 +59,12 @@ fn normal_quantile(share: f64) -> f64 {
     -SQRT_2 * erfc_inv(2.0 * share)
 }
 
+/// A power that is a whole number but for rounding, as that number: counts vary in powers of ten too.
+fn whole(value: f64) -> f64 {
+    let near = value.round();
+    if (value - near).abs() <= 8.0 * f64::EPSILON * near.abs() { near } else { value }
+}
+
 impl Distribution {
     /// The value below which the share `u` lies, 0 < u < 1.
     pub fn quantile(&self, u: f64) -> f64 {
@@ -126,6 +132,9 @@ impl Source {
             if positive && low <= 0.0 {
                 return Err(format!("{name} must lie above 0, starts at {low}"));
             }
+            if !(high - low).is_finite() {
+                return Err(format!("{name} is wider than numbers go: [{low:e}, {high:e}]"));
+            }
             Ok((low, high))
         };
         Ok(match vary {
@@ -139,7 +148,7 @@ impl Source {
                 if range.from <= 0.0 || range.to <= 0.0 {
                     return Err("log must lie above 0".into());
                 }
-                range.list("log", |k, last| range.from * (range.to / range.from).powf(k / last))?
+                range.list("log", |k, last| whole(range.from * (range.to / range.from).powf(k / last)))?
             }
             Vary { uniform: Some(range), .. } => {
                 let (low, high) = bounds(*range, "uniform", false)?;
@@ -158,7 +167,8 @@ impl Source {
                     return Err(format!("log_normal must have a mean above 0, has {}", one.mean));
                 }
                 // Mean and standard deviation of the logarithm, from those of the quantity itself.
-                let variance = (1.0 + (one.sd / one.mean).powi(2)).ln();
+                let ratio = one.sd / one.mean;
+                let variance = if ratio < 1.0 { (ratio * ratio).ln_1p() } else { 2.0 * ratio.hypot(1.0).ln() };
                 let logarithm = |bound: f64| (bound > 0.0).then(|| bound.ln());
                 let (mean, sd) = (one.mean.ln() - variance / 2.0, if one.sd > 0.0 { variance.sqrt() } else { 0.0 });
                 let [mean, sd, from, to] = normal(one, "log_normal", mean, sd, &logarithm)?;
@@ -254,6 +264,17 @@ mod tests {
     }
 
     #[test]
+    fn widths_may_be_small_and_no_larger_than_numbers() {
+        let narrow = Normal { mean: 1.4, sd: 1e-9, low: None, high: None };
+        let at = |u: f64| source(|v| v.log_normal = Some(narrow)).unwrap().at(u).unwrap().number().unwrap();
+        assert!((at(0.5) - 1.4).abs() < 1e-12, "{}", at(0.5));
+        assert!((at(0.841_344_746) - at(0.5) - 1e-9).abs() < 1e-13, "{:e}", at(0.841_344_746) - at(0.5));
+        let wide = Normal { sd: 1e200, ..narrow };
+        assert!(source(|v| v.log_normal = Some(wide)).unwrap().at(0.5).unwrap().number().unwrap().is_finite());
+        assert!(source(|v| v.uniform = Some([-1.7e308, 1.7e308])).unwrap_err().contains("wider than numbers go"));
+    }
+
+    #[test]
     fn lists_end_where_they_were_told() {
         let range = |from, to, points| Some(Range { from, to, points });
         let numbers = |source: Source| match source {
@@ -268,6 +289,8 @@ mod tests {
         assert!((1..=200).zip(whole).all(|(k, value)| f64::from(k) == value));
         let log = numbers(source(|v| v.log = range(1.0, 100.0, 3)).unwrap());
         assert!((log[1] - 10.0).abs() < 1e-12 && log[2] == 100.0);
+        let counts = numbers(source(|v| v.log = range(1e3, 1e6, 4)).unwrap());
+        assert_eq!(counts, [1e3, 1e4, 1e5, 1e6]);
         assert_eq!(numbers(source(|v| v.linear = range(3.0, 9.0, 1)).unwrap()), [3.0]);
         let drawn = source(|v| v.choice = Some(["a", "b"].map(|text| Scalar::Text(text.into())).to_vec())).unwrap();
         assert_eq!(drawn.at(0.49).unwrap(), Scalar::Text("a".into()));

@@ -1,7 +1,7 @@
 //! Small expressions over named numbers: derived values and constraints.
 //!
 //! `+ - * / ^`, parentheses, the comparisons `< <= > >= == !=` (1 where they hold, else 0), `and`, `or`, and the
-//! functions of [`FUNCTIONS`]. Powers bind tightest and to the right; -2^2 is -4.
+//! functions of [`FUNCTIONS`]. Powers bind tightest and to the right; -2^2 is -4. Comparisons do not chain.
 
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -69,7 +69,7 @@ impl Operator {
         match self {
             Self::Or => 1,
             Self::And => 2,
-            Self::Less | Self::LessEqual | Self::Greater | Self::GreaterEqual | Self::Equal | Self::Unequal => 3,
+            Self::Less | Self::LessEqual | Self::Greater | Self::GreaterEqual | Self::Equal | Self::Unequal => COMPARES,
             Self::Add | Self::Subtract => 4,
             Self::Multiply | Self::Divide => 5,
             Self::Power => 7,
@@ -96,6 +96,8 @@ impl Operator {
     }
 }
 
+/// Binding of comparisons.
+const COMPARES: u8 = 3;
 /// Binding of a minus before a value: tighter than products, looser than powers.
 const NEGATIVE: u8 = 6;
 
@@ -187,11 +189,17 @@ impl Parser {
             Some(_) => return Err("has an operator, a comma or a bracket where a value should be".into()),
             None => return Err("ends where a value should be".into()),
         };
+        let mut compared = false;
         while let Some(Token::Operator(operator)) = self.tokens.peek() {
             let operator = *operator;
             if operator.binding() < least {
                 break;
             }
+            // 1 < a < 2 would be (1 < a) < 2, which always holds.
+            if compared && operator.binding() == COMPARES {
+                return Err("compares three values at once; write a < b and b < c".into());
+            }
+            compared = operator.binding() == COMPARES;
             self.tokens.next();
             // Powers go to the right, all else to the left.
             let next = operator.binding() + u8::from(operator != Operator::Power);
@@ -275,10 +283,10 @@ impl Expression {
     /// Its value where names have these.
     ///
     /// # Errors
-    /// A name that has no value, or a result that is not finite.
+    /// A name that has no value, a part that is no number (the root of less than 0), or a result that is not finite.
     pub fn value(&self, names: &BTreeMap<&str, f64>) -> Result<f64, String> {
         fn of(node: &Node, names: &BTreeMap<&str, f64>) -> Result<f64, String> {
-            Ok(match node {
+            let value = match node {
                 Node::Number(number) => *number,
                 Node::Name(name) => {
                     *names.get(name.as_str()).ok_or_else(|| format!("{name} has no numerical value here"))?
@@ -300,7 +308,9 @@ impl Expression {
                         _ => return Err(format!("{function} is no function")),
                     }
                 }
-            })
+            };
+            // Least and largest values, and truths, would let it pass.
+            if value.is_nan() { Err("has a part that is NaN here".into()) } else { Ok(value) }
         }
         let value = of(&self.root, names)?;
         match value.is_finite() {
@@ -336,6 +346,15 @@ mod tests {
             ("sqrt(d * 2) + exp(0) + log(1) + abs(-1)", 6.0),
             ("1.5e1 + .5", 15.5),
             ("2e", f64::NAN),
+            ("1 < d < 3", f64::NAN),
+            ("d == 8 == 1", f64::NAN),
+            ("1 < d + 1 > 3", f64::NAN),
+            ("(1 < d) < 3", 1.0),
+            ("1 < d and d < 9 or d < 0", 1.0),
+            ("min(1, sqrt(-d))", f64::NAN),
+            ("sqrt(-d) or 1 < d", f64::NAN),
+            ("log(-d) < 5 or d > 1", f64::NAN),
+            ("max(1, 1 / 0) > 2", 1.0),
         ] {
             match value(text) {
                 Ok(found) => assert_eq!(found, expected, "{text}"),

@@ -169,6 +169,19 @@ impl Plan {
         self.solved(row).ok().and_then(|values| values.into_iter().collect()).unwrap_or_default()
     }
 
+    /// Whether some of its values may be no numbers: choices of kinds and names of files.
+    pub fn has_words(&self) -> bool {
+        let is_word = |value: &Scalar| value.number().is_none();
+        let of = |source: &Source| matches!(source, Source::Column) || source.listed().iter().any(is_word);
+        self.variables.iter().any(|one| of(&one.source))
+    }
+
+    /// What a row has in place of numbers, as [`Self::values`].
+    pub fn words(&self, row: usize) -> Vec<String> {
+        let values = self.values(row);
+        values.iter().filter(|value| value.number().is_none()).map(ToString::to_string).collect()
+    }
+
     /// A point; a reason in place of the rest where it breaks a constraint, or a value cannot be computed.
     ///
     /// # Errors
@@ -260,8 +273,10 @@ fn check_names(variables: &[Variable]) -> Result<(), Invalid> {
         if !names.insert(one.name.as_str()) {
             return Err(Invalid::new(format!("vary[{k}].name"), format!("{} stands there twice", one.name)));
         }
-        if crate::vary::FUNCTIONS.iter().any(|(function, _)| *function == one.name) {
-            return Err(Invalid::new(format!("vary[{k}].name"), format!("{} is a function of expressions", one.name)));
+        let is_function = crate::vary::FUNCTIONS.iter().any(|(function, _)| *function == one.name);
+        if is_function || ["and", "or"].contains(&one.name.as_str()) {
+            let what = if is_function { "a function" } else { "an operator" };
+            return Err(Invalid::new(format!("vary[{k}].name"), format!("{} is {what} of expressions", one.name)));
         }
         for key in &one.keys {
             if !keys.insert(key.to_string()) {

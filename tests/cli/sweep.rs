@@ -24,11 +24,11 @@ fn sweep(place: &Place, arguments: &[&str]) -> Output {
     tirtouch_in(place.path(), &[&["sweep"], arguments].concat())
 }
 
-fn run(place: &Place, out: &str, flags: &[&str]) -> Output {
+pub fn run(place: &Place, out: &str, flags: &[&str]) -> Output {
     sweep(place, &[&["run", "sweep.toml", "-o", out, "--backend", "cpu", "--quiet"], flags].concat())
 }
 
-fn points(place: &Place, out: &str) -> String {
+pub fn points(place: &Place, out: &str) -> String {
     std::fs::read_to_string(place.path().join(out).join("points.csv")).unwrap()
 }
 

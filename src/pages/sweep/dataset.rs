@@ -5,7 +5,7 @@ use crate::pages::PageError;
 use crate::pages::facts::figure;
 use crate::pages::tables::table;
 use crate::pipeline::Truth;
-use crate::scene::{Layer, Scene};
+use crate::scene::{Layer, LoadedScene, Scene};
 use crate::sweep::{Format, Images, Loads, Record, Sweep};
 use crate::vary::KeyPath;
 use std::collections::BTreeMap;
@@ -33,20 +33,24 @@ pub fn metadata_csv(sweep: &Sweep, images: &Images, records: &Records, split: &s
 
 fn rows(sweep: &Sweep, images: &Images, row: usize, record: &Record) -> Vec<Vec<String>> {
     let text = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    let truth = truth(sweep, row);
-    let truth = match &truth {
+    let scene = sweep.plan.point(row).ok().and_then(|point| sweep.scene(&point).ok());
+    let truth = match scene.as_ref().and_then(truth_of) {
         Some(truth) => {
             [&truth.size_mm, &truth.depth_mm, &truth.youngs_kpa, &truth.phantom_youngs_kpa].map(|one| text(one.value()))
         }
         None => Default::default(),
     };
-    let seed = sweep.file.sweep.seed.unwrap_or(sweep.base.scene.render.seed);
+    let seed = sweep.file.sweep.seed.or(scene.map(|loaded| loaded.scene.render.seed));
     let one = |kept: &crate::sweep::Kept| {
         let mut cells = vec![kept.file.clone()];
         cells.extend(images.baseline.then(|| images.baseline_file(row)));
         cells.extend(images.masks.then(|| Images::mask_file(row)));
         cells.extend(images.pressures.then(|| Images::pressure_file(&kept.file)));
-        cells.extend([row.to_string(), images.split(row).to_owned(), seed.to_string()]);
+        cells.extend([
+            row.to_string(),
+            images.split(row).to_owned(),
+            seed.map_or(String::new(), |seed| seed.to_string()),
+        ]);
         cells.extend(record.values.iter().map(ToString::to_string));
         cells.extend(truth.clone());
         let load = |of: fn(&(usize, f64, f64)) -> String| kept.load.as_ref().map_or(String::new(), of);
@@ -58,9 +62,8 @@ fn rows(sweep: &Sweep, images: &Images, row: usize, record: &Record) -> Vec<Vec<
     record.images.iter().map(one).collect()
 }
 
-/// What a point's phantom holds.
-fn truth(sweep: &Sweep, row: usize) -> Option<Truth> {
-    let loaded = sweep.scene(&sweep.plan.point(row).ok()?).ok()?;
+/// What a scene's phantom holds.
+fn truth_of(loaded: &LoadedScene) -> Option<Truth> {
     Truth::of(loaded.scene.phantom.as_ref(), &loaded.files, false).ok()
 }
 

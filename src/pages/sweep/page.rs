@@ -186,7 +186,11 @@ fn cells_of(record: Option<&Record>, digits: &[Digits], columns: usize) -> Vec<S
         let told = record.and_then(|record| record.figures.get(k));
         match told.map(|told| (told.value, told.low, told.high)) {
             Some((Some(value), Some(low), Some(high))) => {
-                format!("{} ± {}", figure(value), figure(0.5 * (high - low)))
+                let (down, up) = (value - low, high - value);
+                match (down - up).abs() <= 0.05 * (up + down) {
+                    true => format!("{} ± {}", figure(value), figure(0.5 * (high - low))),
+                    false => format!("{} ({} to {})", figure(value), figure(low), figure(high)),
+                }
             }
             Some((Some(value), ..)) => figure(value),
             _ => "-".to_owned(),
