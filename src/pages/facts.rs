@@ -137,7 +137,8 @@ pub fn columns(rows: &[(String, String)]) -> String {
 /// A value and its interval with two digits of the interval's half width.
 pub fn interval(value: f64, low: f64, high: f64) -> (String, String) {
     let half_width = 0.5 * (high - low);
-    let decimals = match half_width > 0.0 {
+    // Below that, so many decimals would be all zeros.
+    let decimals = match half_width > 1e-8 {
         true => (1.0 - half_width.log10().floor()).clamp(0.0, 9.0) as usize,
         false => return (figure(value), format!("{} to {}", figure(low), figure(high))),
     };
@@ -163,6 +164,8 @@ mod tests {
         assert_eq!(both(128.123, 127.9, 128.4), "128.12 (127.90 to 128.40)");
         assert_eq!(both(2_331_640.4, 2_330_750.0, 2_332_530.0), "2331640 (2330750 to 2332530)");
         assert_eq!(both(5.0, 5.0, 5.0), "5 (5 to 5)");
+        assert_eq!(both(0.0, 0.0, 0.003_68), "0.0000 (0.0000 to 0.0037)");
+        assert_eq!(both(3e-12, 2e-12, 4e-12), "3.00e-12 (2.00e-12 to 4.00e-12)");
         assert_eq!(both(1.0, -0.01, 2.01), "1.0 (0.0 to 2.0)");
     }
 

@@ -199,3 +199,35 @@ fn pass(
         ended.map(|()| left)
     })
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::output::Item;
+    use crate::sweep::Record;
+    use serde_json::json;
+    use std::path::Path;
+
+    /// From then on they are like any that are missing, which workers share by their claims.
+    #[test]
+    fn failures_alone_are_taken_back() {
+        let place = tempfile::tempdir().unwrap();
+        let text = "[sweep]\nscene = \"preset:contact-disc\"\ndesign = { kind = \"grid\" }\n[[vary]]\n\
+                    key = \"stack.layer[0].n\"\nvalues = [1.40, 1.41, 1.42, 1.43]\n\
+                    [[measure]]\nkind = \"mean_radiance\"\n";
+        let sweep = Sweep::parse(text, Path::new("sweep.toml")).unwrap();
+        let records = sweep.enter(&place.path().join("out"), false, false).unwrap();
+        for (row, status) in ["done", "failed", "rejected", "failed"].into_iter().enumerate() {
+            let record = json!({"row": row, "status": status, "values": [], "figures": [], "version": "",
+                                "seconds": {"press": 0.0, "light": 0.0, "figures": 0.0}});
+            records.keep_item(&item(row), &record).unwrap();
+        }
+        let there = || (0..4).map(|row| matches!(sweep.item(&records, row), Item::<Record>::There(_)));
+        assert!(there().all(|there| there));
+        forget_failures(&sweep, &records, &[0, 1, 2]).unwrap();
+        assert_eq!(there().collect::<Vec<_>>(), [true, false, true, true], "row 3 is of another part");
+        forget_failures(&sweep, &records, &[0, 1, 2, 3]).unwrap();
+        assert_eq!(there().collect::<Vec<_>>(), [true, false, true, false]);
+    }
+}

@@ -21,12 +21,16 @@ pub struct Status {
     pub damaged: usize,
     /// Other workers in the folder.
     pub workers: usize,
+    /// Whether the folder has the points' table.
+    #[serde(skip)]
+    pub tables: bool,
 }
 
 impl Status {
     /// Of a sweep's records.
     pub fn of(sweep: &Sweep, records: &Records) -> Self {
-        let mut status = Self { points: sweep.plan.count(), workers: records.workers(), ..Self::default() };
+        let (points, workers, tables) = (sweep.plan.count(), records.workers(), records.has("points.csv"));
+        let mut status = Self { points, workers, tables, ..Self::default() };
         for row in 0..sweep.plan.count() {
             match sweep.item(records, row) {
                 Item::There(record) => match record.status {

@@ -171,9 +171,9 @@ impl Plan {
 
     /// Whether some of its values may be no numbers: choices of kinds and names of files.
     pub fn has_words(&self) -> bool {
-        let is_word = |value: &Scalar| value.number().is_none();
-        let of = |source: &Source| matches!(source, Source::Column) || source.listed().iter().any(is_word);
-        self.variables.iter().any(|one| of(&one.source))
+        let listed = self.variables.iter().flat_map(|one| one.source.listed());
+        let cells = self.table.iter().flatten().flatten().flatten();
+        listed.chain(cells).any(|value| value.number().is_none())
     }
 
     /// What a row has in place of numbers, as [`Self::values`].
@@ -410,6 +410,10 @@ mod tests {
             let found = Plan::new(std::slice::from_ref(&bare), &[], &file(), Some(table)).unwrap_err();
             assert!(found.message.contains(said), "{found}");
         }
+        // Numpy's head; what begins with the same sign elsewhere is a cell.
+        let found = Plan::new(&[], &[], &file(), Some("# name,stack.layer[0].n\n#1,1.4\nb,1.5\n")).unwrap();
+        assert_eq!((found.count(), found.words(0), found.has_words()), (2, vec!["#1".to_owned()], true));
+        assert!(!Plan::new(&[], &[], &file(), Some("# stack.layer[0].n\n1.4\n")).unwrap().has_words());
         // A column without an entry is a key.
         let found = plan(&[bare], &[], file()).unwrap();
         assert_eq!(found.names().collect::<Vec<_>>(), ["n_top", "n_below"]);

@@ -13,7 +13,6 @@ use super::PageError;
 use super::facts::{columns, figure};
 use crate::output::Records;
 use crate::sweep::{Status, Sweep};
-use std::path::Path;
 
 /// Writes the tables, the labels of a data set and the report of whatever records are there, which `command` made. Of
 /// several workers that come to their end one writes after the other: what is there last is of all records.
@@ -63,7 +62,7 @@ pub fn text(sweep: &Sweep, status: &Status, place: &str) -> String {
     if status.workers > 0 {
         rows.push(row("workers", format!("{} at work", status.workers)));
     }
-    let table = match Path::new(place).join("points.csv").is_file() {
+    let table = match status.tables {
         true => "points.csv has a row for each point, with its reason",
         false => "`sweep collect` writes its tables",
     };

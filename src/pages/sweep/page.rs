@@ -4,7 +4,7 @@ use super::pictures::{MOST, Picture};
 use crate::figure::Digits;
 use crate::output::Records;
 use crate::pages::PageError;
-use crate::pages::facts::{figure, scene_rows, version};
+use crate::pages::facts::{figure, interval, scene_rows, version};
 use crate::report::explore::{Point, Points};
 use crate::report::{AxisName, Bar, BarPlot, Item, Report, Section, Table, bar_plot};
 use crate::sweep::{Format, Kept, Record, Sensitivity, State, Status, Sweep};
@@ -186,11 +186,8 @@ fn cells_of(record: Option<&Record>, digits: &[Digits], columns: usize) -> Vec<S
         let told = record.and_then(|record| record.figures.get(k));
         match told.map(|told| (told.value, told.low, told.high)) {
             Some((Some(value), Some(low), Some(high))) => {
-                let (down, up) = (value - low, high - value);
-                match (down - up).abs() <= 0.05 * (up + down) {
-                    true => format!("{} ± {}", figure(value), figure(0.5 * (high - low))),
-                    false => format!("{} ({} to {})", figure(value), figure(low), figure(high)),
-                }
+                let (value, range) = interval(value, low, high);
+                format!("{value} ({range})")
             }
             Some((Some(value), ..)) => figure(value),
             _ => "-".to_owned(),
