@@ -19,6 +19,8 @@ mod begin;
 mod calibrated;
 #[path = "cli/converge.rs"]
 mod converge;
+#[path = "cli/data_sets.rs"]
+mod data_sets;
 #[path = "cli/environment.rs"]
 mod environment;
 #[path = "cli/estimate.rs"]

@@ -4,7 +4,7 @@ use super::folders::{Background, wait_until};
 use super::*;
 
 /// Four indices and two radii of a disc of contact: 8 points, two of which a constraint leaves out.
-const SWEEP: &str = "[sweep]\nscene = \"disc.toml\"\ndesign = { kind = \"grid\" }\n\
+pub const SWEEP: &str = "[sweep]\nscene = \"disc.toml\"\ndesign = { kind = \"grid\" }\n\
                      [[vary]]\nname = \"top\"\nkey = \"stack.layer[0].n\"\nlinear = { from = 1.40, to = 1.43, points = 4 }\n\
                      [[vary]]\nname = \"radius\"\nkey = \"touch.contact.pressure.radius_mm\"\nvalues = [3, 4]\n\
                      [[vary]]\nname = \"below\"\nkey = \"stack.layer[1].n\"\nexpression = \"top - 0.01\"\n\
@@ -13,14 +13,14 @@ const SWEEP: &str = "[sweep]\nscene = \"disc.toml\"\ndesign = { kind = \"grid\" 
                      [[measure]]\nkind = \"contrast\"\nradius_mm = 3\naround_mm = [5, 7]\n";
 
 /// A folder with that sweep.
-fn place() -> Place {
+pub fn place() -> Place {
     let place = Place::new();
     place.write("disc.toml", &(small("contact-disc").replace("photons = 65536", "photons = 16384\nspp = 16")));
     place.write("sweep.toml", SWEEP);
     place
 }
 
-fn sweep(place: &Place, arguments: &[&str]) -> Output {
+pub fn sweep(place: &Place, arguments: &[&str]) -> Output {
     tirtouch_in(place.path(), &[&["sweep"], arguments].concat())
 }
 
@@ -295,96 +295,6 @@ fn keys_are_set_by_hand() {
     }
 }
 
-#[test]
-fn a_data_set_has_images_labels_masks_and_a_card() {
-    let place = Place::new();
-    let scene = include_str!("../../scenes/phantom-size-8mm.toml")
-        .replace("pixels = [348, 261]", "pixels = [32, 24]")
-        .replace("depths_mm = [1.0, 2.0, 4.0]", "depths_mm = [0.25, 0.5]\nresolution = 0.5\nestimate_error = false")
-        + "\n[render]\nmap_texel_mm = 0.5\nspp = 16\nphotons = 1000\n";
-    place.write("phantom.toml", &scene);
-    let sphere = "phantom.inclusion[0].shape.diameter_mm";
-    place.write(
-        "sweep.toml",
-        &format!(
-            "[sweep]\nscene = \"phantom.toml\"\ndesign = {{ kind = \"sobol\", points = 4, seed = 1 }}\n\
-             random_numbers = \"own\"\n\
-             images = {{ loads = \"all\", baseline = true, masks = true, pressures = true, test_share = 0.4 }}\n\
-             [[vary]]\nname = \"size\"\nkey = \"{sphere}\"\nuniform = [5, 12]\n\
-             [[vary]]\nname = \"error\"\nkey = \"press.estimate_error\"\nfixed = false\n\
-             [[measure]]\nkind = \"force\"\n[[measure]]\nkind = \"paper\"\nless_baseline = true\n"
-        ),
-    );
-    let output = run(&place, "set", &["--json"]);
-    assert_eq!(code(&output), 0, "{output:?}");
-    assert_eq!(json(&output)["done"], 4, "{output:?}");
-    // Without an estimate of its error a force is told all the same, and so is what is missing.
-    let table = points(&place, "set");
-    assert!(table.contains("force_n: of unknown error: press.estimate_error is off"), "{table}");
-    let folder = place.path().join("set");
-    let mut images = 0;
-    let mut splits = 0;
-    // Pixels about the middle of 32 x 24, and the mean pressure there at each load.
-    let within = |k: usize| (k % 32).abs_diff(16) < 6 && (k / 32).abs_diff(12) < 6;
-    let mut means = [Vec::new(), Vec::new()];
-    for split in ["train", "test"] {
-        let Ok(mut labels) = csv::Reader::from_path(folder.join(split).join("metadata.csv")) else { continue };
-        splits += 1;
-        let head = labels.headers().unwrap().clone();
-        for record in labels.records() {
-            let record = record.unwrap();
-            let cell = |name: &str| record.get(head.iter().position(|h| h == name).unwrap()).unwrap();
-            let read = |name: &str| tirtouch::image_io::read_grey(&folder.join(split).join(cell(name))).unwrap();
-            let (frame, baseline, mask) = (read("file_name"), read("baseline_file_name"), read("mask_file_name"));
-            assert_eq!([frame.width, baseline.width, mask.width], [32; 3]);
-            assert_eq!(cell("size"), cell("true_size_mm"));
-            assert_eq!([cell("split"), cell("seed")], [split, "1"]);
-            assert!(cell("force_n").parse::<f64>().unwrap() > 0.0);
-            // The mask is a disc of the inclusion's size, by the scale on the axis.
-            let size: f64 = cell("size").parse().unwrap();
-            let pixels = mask.values.iter().filter(|&&v| v == 255.0).count() as f64;
-            let scale: f64 = cell("mm_per_pixel").parse().unwrap();
-            let found = 2.0 * (pixels / std::f64::consts::PI).sqrt() * scale;
-            assert!((found / size - 1.0).abs() < 0.15, "{found} {size}");
-            let bytes = std::fs::read(folder.join(split).join(cell("pressure_npy"))).unwrap();
-            assert_eq!(bytes.len(), 128 + 4 * 32 * 24);
-            let kpa = bytes[128..].chunks_exact(4).map(|v| f64::from(f32::from_le_bytes(v.try_into().unwrap())));
-            let inner: Vec<f64> = kpa.enumerate().filter(|(k, _)| within(*k)).map(|(_, kpa)| kpa).collect();
-            assert!(inner.iter().all(|kpa| *kpa > 0.0), "{inner:?}");
-            let load = cell("load").parse::<usize>().unwrap();
-            means[load].push(inner.iter().sum::<f64>() / inner.len() as f64);
-            images += 1;
-        }
-    }
-    assert_eq!((images, splits), (8, 2));
-    // Twice the depth presses about twice as hard.
-    let mean = |load: usize| means[load].iter().sum::<f64>() / means[load].len() as f64;
-    assert!((1.8..2.3).contains(&(mean(1) / mean(0))), "{means:?}");
-    let card = std::fs::read_to_string(folder.join("README.md")).unwrap();
-    assert!(card.contains("8 images of 4 points") && card.contains("| `size` |"), "{card}");
-    assert!(card.contains("| `error` | false | `press.estimate_error` |"), "{card}");
-    assert!(card.contains("PDMS 1.41 (2 mm, n = 1.41)") && card.contains("## How to cite"), "{card}");
-
-    // A point one of whose images is lost is made again.
-    let mask = if folder.join("train/0000001_mask.png").exists() { "train" } else { "test" };
-    let mask = folder.join(mask).join("0000001_mask.png");
-    let drawn = std::fs::read(&mask).unwrap();
-    std::fs::remove_file(&mask).unwrap();
-    assert_eq!(json(&sweep(&place, &["status", "set", "--json"]))["damaged"], 1);
-    assert_eq!(code(&run(&place, "set", &["--resume"])), 0);
-    assert_eq!((std::fs::read(&mask).unwrap(), points(&place, "set")), (drawn, table.clone()));
-
-    // A point whose record is lost is made again, with the same images.
-    let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
-    let image = if folder.join("train/0000002_1.png").exists() { "train/0000002_1.png" } else { "test/0000002_1.png" };
-    let before = bytes(image);
-    std::fs::remove_file(folder.join("items/0000002.json")).unwrap();
-    std::fs::write(folder.join(image), "garbage").unwrap();
-    assert_eq!(code(&run(&place, "set", &["--resume"])), 0);
-    assert_eq!((bytes(image), points(&place, "set")), (before, table));
-    assert_eq!(code(&run(&place, "set", &["--force"])), 0);
-}
-
 /// Presses that are kept in a folder, by their hashes.
 fn presses(place: &Place, out: &str) -> Vec<PathBuf> {
     let is_press = |path: &PathBuf| path.file_name().unwrap().to_string_lossy().starts_with("press-");
@@ -427,18 +337,6 @@ fn a_press_that_points_share_is_made_once_for_all_workers() {
     place.write("sweep.toml", &text("phantom.material.youngs_kpa", "[4, 5]"));
     assert_eq!(code(&run(&place, "each", &[])), 0);
     assert_eq!(presses(&place, "each"), Vec::<PathBuf>::new());
-}
-
-#[test]
-fn a_data_set_of_arrays_is_as_large_as_its_images() {
-    let place = place();
-    let text = SWEEP.replacen("[sweep]\n", "[sweep]\nimages = { format = \"npy\" }\n", 1);
-    place.write("sweep.toml", &text);
-    assert_eq!(code(&run(&place, "set", &[])), 0);
-    let bytes = std::fs::read(place.path().join("set/train/0000000.npy")).unwrap();
-    let [columns, rows] = tirtouch::scene::load(&place.path().join("disc.toml")).unwrap().scene.camera.pixels;
-    assert_eq!(bytes.len(), 128 + 4 * (columns * rows) as usize);
-    assert!(bytes[128..].chunks_exact(4).any(|v| f32::from_le_bytes(v.try_into().unwrap()) > 0.0));
 }
 
 /// A stand-in for Slurm's `sbatch`: runs every task of the array, one after the other, the second one twice.
