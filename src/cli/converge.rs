@@ -3,8 +3,8 @@
 use super::command::described;
 use super::flags::{Backend, Place, one_of};
 use super::job::{check_light, watched};
-use super::{Failure, Outcome, PressFailure, Talk};
-use crate::converge::{Climb, ClimbError, Part};
+use super::{Failure, Outcome, Talk};
+use crate::converge::{Climb, Part};
 use crate::output::leftovers::leftovers;
 use crate::output::{RESULT, Records, SCENE};
 use crate::pages::converge::{table, write};
@@ -74,11 +74,8 @@ impl Converge {
         let records = Records::open(&place, &climb.order(shrink), self.place.force, self.resume)?;
         leftovers().keep(format!("what was done is in {}: go on with --resume", place.display()));
         records.write(SCENE, &loaded.text)?;
-        let found = watched(self.talk.quiet, |observe| climb.run(&records, observe)).map_err(|error| match error {
-            ClimbError::Press(error) => PressFailure::of(error, &file).failure,
-            ClimbError::Light(error) => error.into(),
-            ClimbError::Output(error) => error.into(),
-        })?;
+        let found = watched(self.talk.quiet, |observe| climb.run(&records, observe))
+            .map_err(|error| Failure::of_climb(error, &file))?;
         write(name, &found, &records)?;
         let result = described(table::json(name, &found), Some(&place));
         records.write(RESULT, &format!("{result:#}\n"))?;

@@ -4,9 +4,9 @@ use super::flags::positive;
 use super::measure::Reading;
 use super::{Failure, Outcome, Talk};
 use crate::calibrate::{FORCE_ERROR, FrameModel, Frames, Inferred, Presses, check_depths, check_forces, ready};
-use crate::estimate::{Calibration, Estimates, GreyImage};
+use crate::estimate::{Estimates, GreyImage};
 use crate::pages::images::{Measured, json, relative_stiffness, text};
-use crate::pipeline::{FrameFiles, view_of};
+use crate::pipeline::{FrameFiles, scale_of};
 use crate::scene::{LoadedScene, open};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -46,13 +46,9 @@ impl Estimate {
         let model = self.reading.frame_model()?;
         let exposure = self.exposure.as_deref().map(open).transpose()?;
         let calibration = match (self.reading.calibration()?, &exposure) {
-            (None, Some((loaded, file))) => Some(Calibration {
-                mm_per_pixel: view_of(&loaded.scene)
-                    .map_err(|error| Failure::of_scene(error.into(), file))?
-                    .mm_per_pixel(),
-                bottom_area_mm2: None,
-                force_n_from_sum_grey: None,
-            }),
+            (None, Some((loaded, file))) => {
+                Some(scale_of(&loaded.scene).map_err(|error| Failure::of_scene(error.into(), file))?)
+            }
             (given, _) => given,
         };
         let files =

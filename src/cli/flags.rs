@@ -182,25 +182,27 @@ where
     PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
 }
 
-/// A finite number above 0.
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    let number = finite(text).ok().filter(|number| *number > 0.0);
-    number.ok_or_else(|| "it must be a finite number above 0".into())
+/// A number that holds to something, in words too.
+fn number(text: &str, what: &str, holds: impl Fn(f64) -> bool) -> Result<f64, String> {
+    text.parse().ok().filter(|&number| holds(number)).ok_or_else(|| format!("it must be a {what}"))
 }
 
 /// A finite number.
 pub(super) fn finite(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-    number.ok_or_else(|| "it must be a finite number".into())
+    number(text, "finite number", f64::is_finite)
+}
+
+/// A finite number above 0.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    number(text, "finite number above 0", |x| x.is_finite() && x > 0.0)
 }
 
 /// A finite number of 0 or more.
 pub(super) fn not_negative(text: &str) -> Result<f64, String> {
-    let number = finite(text).ok().filter(|number| *number >= 0.0);
-    number.ok_or_else(|| "it must be a finite number of 0 or more".into())
+    number(text, "finite number of 0 or more", |x| x.is_finite() && x >= 0.0)
 }
 
 /// A probability strictly between 0 and 1.
 pub(super) fn probability(text: &str) -> Result<f64, String> {
-    positive(text).ok().filter(|number| *number < 1.0).ok_or_else(|| "it must be a number between 0 and 1".into())
+    number(text, "number between 0 and 1", |x| x > 0.0 && x < 1.0)
 }

@@ -67,8 +67,7 @@ impl FramesCommand {
         let window_mm = self.window_mm.or(known.as_ref().map_or(input.window_mm(), |known| known.scene.scan.window_mm));
         let mut source = input.frames(self.show_mm, &watching(self.talk.quiet))?;
         if let (Some(file), Some(known)) = (&self.calibration, &known) {
-            source.provenance.push((format!("{}'s SHA-256", file.display()), known.sha256.clone()));
-            source.inputs.insert(file.clone(), known.sha256.clone());
+            source.know(file, known);
         }
         let failed = |error: FramesError| Failure::failed(error.to_string());
         let features = source.features(window_mm, noise_kpa).map_err(failed)?;

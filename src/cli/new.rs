@@ -113,8 +113,7 @@ fn answer(question: &str) -> Result<Option<String>, Failure> {
     if read == 0 {
         tell("\n");
     }
-    let line = line.trim().to_owned();
-    Ok((!line.is_empty()).then_some(line))
+    Ok(Some(line.trim().to_owned()).filter(|line| !line.is_empty()))
 }
 
 fn tell(text: &str) {

@@ -7,8 +7,7 @@ use super::{Failure, Outcome, Talk};
 use crate::output::OutputFolder;
 use crate::pages::stability::{pictures, table};
 use crate::stability::{Context, Tracer, membrane, run};
-use crate::trace::gpu::Gpu;
-use crate::trace::{BackendChoice, TraceError};
+use crate::trace::BackendChoice;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -37,7 +36,10 @@ pub(super) struct Stability {
 impl Stability {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let folder = self.out.as_ref().map(|out| OutputFolder::create(out, self.force)).transpose()?;
-        let (tracers, adapter) = self.tracers()?;
+        let (tracers, adapter) = Tracer::all(self.backend)?;
+        if self.backend == BackendChoice::Auto && adapter.is_none() {
+            self.talk.note("no GPU adapter found: only the CPU tracer is checked");
+        }
         let context = Context { tracers, membrane: membrane::deflection, quick: self.quick };
         let rows = watched(self.talk.quiet, |observe| run(&context, observe)).ok_or_else(Failure::cancelled)?;
         let passed = rows.iter().all(|row| row.passed);
@@ -53,23 +55,5 @@ impl Stability {
         };
         self.talk.tell(&json, table::text(&rows, adapter.as_deref(), out.as_deref()))?;
         Ok(if passed { Outcome::Done } else { Outcome::CheckFailed })
-    }
-
-    /// What is checked, and the GPU's name.
-    fn tracers(&self) -> Result<(Vec<Tracer>, Option<String>), Failure> {
-        if self.backend == BackendChoice::Cpu {
-            return Ok((vec![Tracer::twin()], None));
-        }
-        match Gpu::open() {
-            Ok(gpu) => {
-                let name = format!("{} ({:?}, {})", gpu.info.name, gpu.info.backend, gpu.info.driver_info);
-                Ok((vec![Tracer::gpu(), Tracer::twin()], Some(name)))
-            }
-            Err(TraceError::NoAdapter) if self.backend == BackendChoice::Auto => {
-                self.talk.note("no GPU adapter found: only the CPU tracer is checked");
-                Ok((vec![Tracer::twin()], None))
-            }
-            Err(error) => Err(error.into()),
-        }
     }
 }

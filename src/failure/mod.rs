@@ -4,6 +4,7 @@
 
 mod of;
 
+use crate::converge::ClimbError;
 use crate::mechanics::path::PathError;
 use crate::mechanics::press::{PressError, Pressed};
 use crate::output::leftovers::{Leftovers, leftovers};
@@ -105,6 +106,16 @@ impl Failure {
             PipelineError::Projection(error) => error.into(),
             PipelineError::Image(_) => Self::input(words).in_file(file),
             PipelineError::NoLoad { .. } => Self::failed(words).in_file(file),
+        }
+    }
+
+    /// What stops a climb of a scene's ladders, with the scene's file where that is to blame.
+    #[must_use]
+    pub fn of_climb(error: ClimbError, file: &Path) -> Self {
+        match error {
+            ClimbError::Press(error) => PressFailure::of(error, file).failure,
+            ClimbError::Light(error) => error.into(),
+            ClimbError::Output(error) => error.into(),
         }
     }
 

@@ -40,7 +40,7 @@ pub use prepare::{Order, Prepared, model_of};
 pub use read::{ReadAs, Reading, Reference};
 pub use session::{Session, Shelf};
 pub(crate) use session::{guides_light, look};
-pub use shot::{Shot, view_of};
+pub use shot::{Shot, scale_of, view_of};
 pub use summary::{
     BlockError, CameraSummary, EarlierFrame, MapSummary, NO_MECHANICS, PaperSummary, PressSummary, RunSummary,
     ShotSummary, StageSeconds, StepSummary,

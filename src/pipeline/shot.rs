@@ -2,6 +2,7 @@
 
 use super::{PipelineError, Prepared};
 use crate::camera::{Frame, ProjectionError, Suited, View, expected_electrons, expose};
+use crate::estimate::Calibration;
 use crate::film::{Film, RADIANCE_UNIT};
 use crate::image_io::{ImageError, Provenance, write_radiance_as};
 use crate::progress::Observer;
@@ -82,4 +83,13 @@ pub fn view_of(scene: &Scene) -> Result<View, ProjectionError> {
     let lambda = scene.light.wavelength_nm;
     let layers: Vec<_> = scene.stack.layer.iter().map(|layer| (layer.index(lambda), layer.thickness_mm)).collect();
     View::new(&scene.camera, &layers, scene.stack.surround_n)
+}
+
+/// What is known of the frames of a scene's camera: their scale.
+///
+/// # Errors
+/// A view that total reflection hides.
+pub fn scale_of(scene: &Scene) -> Result<Calibration, ProjectionError> {
+    let mm_per_pixel = view_of(scene)?.mm_per_pixel();
+    Ok(Calibration { mm_per_pixel, bottom_area_mm2: None, force_n_from_sum_grey: None })
 }

@@ -6,7 +6,7 @@ use crate::trace::cpu::{End, Limits, Path, fresnel};
 use crate::trace::gpu::assemble::Entry;
 use crate::trace::gpu::{Gpu, GpuTracer};
 use crate::trace::model::Real;
-use crate::trace::{Model, TraceError};
+use crate::trace::{BackendChoice, Model, TraceError};
 use rayon::prelude::*;
 
 /// Words of one event row, as in `record.wgsl`.
@@ -84,6 +84,26 @@ impl Tracer {
     /// The twin in f32 as it is.
     pub fn twin() -> Self {
         Self::Twin { reflectance: fresnel::reflectance::<f32>, between: |_| {}, limits: Limits::default() }
+    }
+
+    /// What a choice of backends asks for, the GPU first, and that GPU's name; without one for `Auto`, where there is
+    /// none.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`], where a GPU is asked for or there is one that fails.
+    pub fn all(choice: BackendChoice) -> Result<(Vec<Self>, Option<String>), TraceError> {
+        let gpu = match choice {
+            BackendChoice::Cpu => None,
+            _ => Some(Gpu::open()),
+        };
+        match gpu {
+            Some(Ok(Gpu { info, .. })) => {
+                let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
+                Ok((vec![Self::gpu(), Self::twin()], Some(name)))
+            }
+            Some(Err(error)) if choice == BackendChoice::Gpu || !matches!(error, TraceError::NoAdapter) => Err(error),
+            _ => Ok((vec![Self::twin()], None)),
+        }
     }
 
     /// Its name in the table.

@@ -97,6 +97,12 @@ impl Source {
         }
     }
 
+    /// Takes the file of what is known beside measured frames among what its results are of.
+    pub fn know(&mut self, file: &Path, known: &LoadedScan) {
+        self.provenance.push((format!("{}'s SHA-256", file.display()), known.sha256.clone()));
+        self.inputs.insert(file.into(), known.sha256.clone());
+    }
+
     /// Features of all frames, which are fitted in a window of half this width, or in the whole contact.
     ///
     /// # Errors
