@@ -19,8 +19,8 @@ pub fn write_whole(path: &Path, text: &str) -> Result<(), OutputError> {
 pub(super) fn write_by(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     let _whole = leftovers();
     let write = || {
-        let mut file = whole_file().tempfile_in(folder)?;
-        file.write_all(bytes)?;
+        let file = whole_file().tempfile_in(folder)?;
+        file.as_file().write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(path).map_err(|error| error.error)
     };
@@ -34,8 +34,8 @@ pub(super) fn write_by(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), O
 pub fn write_new(path: &Path, text: &str) -> Result<(), OutputError> {
     let _whole = leftovers();
     let write = || {
-        let mut file = whole_file().tempfile_in(folder_of(path))?;
-        file.write_all(text.as_bytes())?;
+        let file = whole_file().tempfile_in(folder_of(path))?;
+        file.as_file().write_all(text.as_bytes())?;
         file.as_file().sync_all()?;
         file.persist_noclobber(path).map_err(|error| error.error)
     };
