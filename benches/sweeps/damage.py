@@ -54,6 +54,15 @@ def main():
         judged(f"disk of {kib} KiB", done, (0, 3) if kib > 100 else (3,), table, f"{name}/out")
         subprocess.run(["umount", place], check=True)
 
+    # Full before it begins: what was tried leaves nothing.
+    place = mounted("no-room", "size=16k")
+    (place / "fill").write_bytes(bytes(16 << 10))
+    done = run("no-room/out")
+    ROWS.append(("nothing left on a full disk", [path.name for path in place.iterdir()] == ["fill"], 0, "-"))
+    subprocess.run(["mount", "-o", "remount,size=16m", place], check=True)
+    judged("full disk", done, (2, 3), table, "no-room/out")
+    subprocess.run(["umount", place], check=True)
+
     # Files run out before bytes do.
     place = mounted("inodes", "size=16m,nr_inodes=20")
     done = run("inodes/out")

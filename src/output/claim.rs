@@ -121,7 +121,7 @@ fn hold(path: &Path) -> std::io::Result<Hold> {
             Err(error) => return Err(error),
         };
         match file.try_lock() {
-            Ok(()) if is_at(&file, path) => return Ok(Hold::Locked(signed(file)?)),
+            Ok(()) if is_at(&file, path) => return Ok(Hold::Locked(signed(file))),
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Ok(Hold::Taken),
             Err(TryLockError::Error(_)) => return Ok(if made { Hold::Created } else { Hold::Unknown }),
@@ -129,11 +129,11 @@ fn hold(path: &Path) -> std::io::Result<Hold> {
     }
 }
 
-/// Says in the file who holds it, for people.
-fn signed(mut file: File) -> std::io::Result<File> {
-    file.set_len(0)?;
-    writeln!(file, "process {} writes the folder beside this file", std::process::id())?;
-    Ok(file)
+/// Says in the file who holds it, for people, where the disk has room for that.
+fn signed(mut file: File) -> File {
+    let whose = format!("process {} writes the folder beside this file\n", std::process::id());
+    let _ = file.set_len(0).and_then(|()| file.write_all(whose.as_bytes()));
+    file
 }
 
 /// Whether a file is still the one of that name: its owner may have removed it before we locked it.
