@@ -54,11 +54,12 @@ def main():
         judged(f"disk of {kib} KiB", done, (0, 3) if kib > 100 else (3,), table, f"{name}/out")
         subprocess.run(["umount", place], check=True)
 
-    # Full before it begins: what was tried leaves nothing.
+    # Full before it begins: no file is left of what was tried.
     place = mounted("no-room", "size=16k")
     (place / "fill").write_bytes(bytes(16 << 10))
     done = run("no-room/out")
-    ROWS.append(("nothing left on a full disk", [path.name for path in place.iterdir()] == ["fill"], 0, "-"))
+    files = [path.name for path in place.rglob("*") if path.is_file()]
+    ROWS.append(("no file left on a full disk", files == ["fill"], done.returncode, " ".join(files)))
     subprocess.run(["mount", "-o", "remount,size=16m", place], check=True)
     judged("full disk", done, (2, 3), table, "no-room/out")
     subprocess.run(["umount", place], check=True)
