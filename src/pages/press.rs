@@ -4,7 +4,7 @@ use super::PageError;
 use super::facts::{figure, scene_rows, version};
 use super::press_files::{PressPictures, write_press};
 use super::truth::truth_table;
-use crate::mechanics::press::{PressStep, Pressed, Rounding};
+use crate::mechanics::press::{PressStep, Pressed, PressureError, Rounding, SensorBody};
 use crate::output::OutputFolder;
 use crate::pipeline::{PressSummary, Truth, method_name, setting};
 use crate::report::{Item, Report, Section, Table};
@@ -77,7 +77,7 @@ pub fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Section {
     let caption = "Pressure on the touched face. The peak is judged within 0.8 of its radius, under an indenter \
                    over all of it.";
     items.push(Item::picture(&pictures.pressure, "contact pressure", caption));
-    let percent = |share: Option<f64>| share.map_or("-".to_owned(), |share| figure(100.0 * share));
+    let percent = |share: Option<f64>| share.map_or("-".to_owned(), within);
     let rows = pressed.steps.iter().map(|step| {
         vec![
             load_name(step),
@@ -115,9 +115,18 @@ pub fn load_name(step: &PressStep) -> String {
     name
 }
 
+/// An estimated error in percent; a question mark where the elements do not resolve what it is of.
+fn within(share: f64) -> String {
+    PressureError::resolved(share).map_or("?".to_owned(), |share| figure(100.0 * share))
+}
+
 /// A press in words.
 pub fn press_rows(pressed: &Pressed) -> Vec<(String, String)> {
     let percent = |share: f64| figure(100.0 * share);
+    let part = match pressed.setup.sensor {
+        SensorBody::Indenter(_) => "",
+        _ => " over 0.8 of the face",
+    };
     let row = |name: &str, value: String| (name.to_owned(), value);
     let mut rows = vec![row(
         "mechanics",
@@ -143,16 +152,14 @@ pub fn press_rows(pressed: &Pressed) -> Vec<(String, String)> {
                     )
                 };
                 let sharp = error.rounding.map_or(String::new(), sharp);
-                let peak = error.peak.map_or(String::new(), |peak| format!(", its peak within {} %", percent(peak)));
-                format!(
-                    " (pressure within {} % rms{peak}, force within {} %{sharp})",
-                    percent(error.rms),
-                    percent(error.force)
-                )
+                let peak = error.peak.map_or(String::new(), |peak| format!(", its peak within {} %", within(peak)));
+                let [rms, force] = [error.rms, error.force].map(within);
+                format!(" (pressure within {rms} % rms{peak}, force within {force} %{sharp})")
             }
             None => String::new(),
         };
-        let force = format!("{} N, peak pressure {} kPa{error}", figure(step.force_n), figure(step.peak_pressure_kpa));
+        let peak = figure(step.peak_pressure_kpa);
+        let force = format!("{} N, peak pressure{part} {peak} kPa{error}", figure(step.force_n));
         row(&load_name(step), force)
     }));
     rows

@@ -7,7 +7,7 @@ use crate::figure::{Digits, Figure};
 use crate::film::Ledger;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::newton::LinearSolver;
-use crate::mechanics::press::{Load, PressStep, Pressed, Setup};
+use crate::mechanics::press::{Load, PressStep, Pressed, PressureError, Setup};
 use crate::trace::Outcome;
 use crate::trace::batch::Times;
 use serde::Serialize;
@@ -398,6 +398,11 @@ impl StepSummary {
         let sharp = "no flat rigid sensor with a rounded edge slides, or its arc takes half of the face";
         let rounding = step.error.and_then(|error| error.rounding);
         let bends = "the pressure is singular where the indenter's profile bends: its peak has no limit";
+        let unresolved = "the elements do not resolve the contact: a higher press.resolution does";
+        let share = |share: Option<f64>, without: &'static str| match share {
+            Some(share) => Figure::of(PressureError::resolved(share), unresolved),
+            None => Figure::undefined(without),
+        };
         let without_peak = if step.error.is_some() { bends } else { without };
         let without_rounding = if step.error.is_some() { sharp } else { without };
         Self {
@@ -406,9 +411,9 @@ impl StepSummary {
             hold_s: step.hold_s,
             force_n: step.force_n,
             peak_pressure_kpa: step.peak_pressure_kpa,
-            pressure_error: Figure::of(step.error.map(|error| error.rms), without),
-            peak_error: Figure::of(step.error.and_then(|error| error.peak), without_peak),
-            force_error: Figure::of(step.error.map(|error| error.force), without),
+            pressure_error: share(step.error.map(|error| error.rms), without),
+            peak_error: share(step.error.and_then(|error| error.peak), without_peak),
+            force_error: share(step.error.map(|error| error.force), without),
             pressure_rounding: Figure::of(rounding.map(|rounding| rounding.rms), without_rounding),
             force_rounding: Figure::of(rounding.map(|rounding| rounding.force), without_rounding),
         }

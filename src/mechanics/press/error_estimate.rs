@@ -82,13 +82,14 @@ pub(super) fn estimate(
                 rms: SAFETY * difference(&others, &Face::of(rounder, step)),
                 force: SAFETY * share_of(other.force_n - step.force_n, other.force_n),
             });
-            Some(PressureError {
-                rms: pressure_error(&own, &others, by_order),
-                peak: (!bends(&pressed.setup)).then(|| peak_error(&own, &others, by_order)),
-                force: (shares.edge * share_of(step.force_n - other.force_n, step.force_n))
-                    .max(end_of_contact(&pressed.setup, &step.points)),
-                rounding,
-            })
+            let peak = (!bends(&pressed.setup)).then(|| peak_error(&own, &others, by_order) + own.stands_out());
+            // The force is of second order in the pressure's error: where that is large, two forces agree by chance.
+            let least = peak.filter(|_| !own.has_edge()).map_or(0.0, |peak| peak.powi(2));
+            let force = (shares.edge * share_of(step.force_n - other.force_n, step.force_n))
+                .max(end_of_contact(&pressed.setup, &step.points))
+                .max(least);
+            let rms = pressure_error(&own, &others, by_order);
+            Some(PressureError { rms, peak, force, rounding })
         })
         .collect();
     pressed.steps.iter_mut().zip(errors).for_each(|(step, error)| step.error = error);

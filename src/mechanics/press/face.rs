@@ -118,6 +118,35 @@ impl Face {
         nodes.chain((0..around).filter_map(end)).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
+    /// By how much the node at the peak stands out from what its neighbours tell of the pressure there, as a share of
+    /// the peak; none on a face with two axes, and at the end of the contact.
+    ///
+    /// On the axis little area bears on a node, and where faces slide pressures of neighbours go up and down: what stands
+    /// out there does not shrink as the square of the elements. Neighbours are two on each side; beyond the axis they
+    /// are those before it.
+    pub fn stands_out(&self) -> f64 {
+        let Some((at, peak)) = self.peak().filter(|(_, peak)| self.facets.is_none() && *peak > 0.0) else { return 0.0 };
+        let away = |k: &usize| (self.points[*k].reference_mm[0] - at[0]).abs();
+        let Some(node) = (0..self.points.len()).min_by(|a, b| away(a).total_cmp(&away(b))) else { return 0.0 };
+        let x = |k: usize| self.points[k].reference_mm[0];
+        let neighbour = |by: isize| {
+            let k = node as isize + by;
+            let (k, side) = if k < 0 && x(0) == 0.0 { (-k, -1.0) } else { (k, 1.0) };
+            let point = self.points.get(usize::try_from(k).ok()?)?;
+            Some((side * point.reference_mm[0], point.pressure_kpa)).filter(|(_, pressure)| *pressure > 0.0)
+        };
+        let Some(told) = [-2, -1, 1, 2].into_iter().map(neighbour).collect::<Option<Vec<_>>>() else { return 0.0 };
+        // The cubic through them (Lagrange).
+        let weight = |&(own, _): &(f64, f64)| {
+            told.iter()
+                .filter(|(other, _)| *other != own)
+                .map(|(other, _)| (x(node) - other) / (own - other))
+                .product::<f64>()
+        };
+        let expected: f64 = told.iter().map(|one| weight(one) * one.1).sum();
+        (self.points[node].pressure_kpa - expected).abs() / peak
+    }
+
     /// Pressure at a place of the undeformed face, kPa: linear between nodes, as the contact has it. Nothing beyond.
     pub fn pressure_at(&self, at: [f64; 3]) -> Option<f64> {
         if let Some(facets) = &self.facets {

@@ -67,6 +67,16 @@ pub struct PressureError {
     pub rounding: Option<Rounding>,
 }
 
+impl PressureError {
+    /// Largest share that is an error: beyond it the elements do not resolve what it is of.
+    const RESOLVED: f64 = 0.25;
+
+    /// A share that is an error; none where the elements do not resolve what it is of.
+    pub fn resolved(share: f64) -> Option<f64> {
+        Some(share).filter(|share| *share <= Self::RESOLVED)
+    }
+}
+
 /// What the rounding of a rigid sensor's edge does: the face in contact ends before the outline. The edge is rounded
 /// twice as far for it. What that changes a sharp edge changes the other way if the change is as the radius (a face
 /// pressed little), 1.7 times as much if it is as its power 2/3 (a face that the press bends around the arc). The

@@ -215,6 +215,25 @@ fn a_peak_at_the_end_of_the_judged_part_does_not_leap_with_the_nodes() {
     assert_eq!(Face::along(&setup, Vec::new()).peak(), None);
 }
 
+/// A node off the smooth pressure of the others, and pressures that go up and down, are seen; curves alone are not.
+#[test]
+fn what_stands_out_at_a_peak_is_told() {
+    let setup = phantom(None, true, true, &[1.0]);
+    let hill = |r: f64| 1.0 + 0.5 * (-r * r / 9.0).exp();
+    let told = |pressure: &dyn Fn(f64) -> f64| rings(&setup, 0.5, pressure).stands_out();
+    assert!(told(&hill) < 5e-4, "{}", told(&hill));
+    // Of 1.53 at the axis 0.03 are too much.
+    let spike = |r: f64| hill(r) + if r == 0.0 { 0.03 } else { 0.0 };
+    assert!((told(&spike) - 0.03 / 1.53).abs() < 1e-3, "{}", told(&spike));
+    // Up and down by 0.2 %, as the peak at a distance from the axis is too.
+    let ring = |r: f64| 1.0 + 0.5 * (-(r - 5.0).powi(2) / 9.0).exp();
+    let up_and_down = |r: f64| ring(r) * (1.0 + 2e-3 * (2.0 * PI * r).cos());
+    assert!(told(&ring) < 1e-3 && told(&up_and_down) > 2e-3, "{} {}", told(&ring), told(&up_and_down));
+    // Rising to the end of the judged part, and where the contact ends beside the peak.
+    assert!(told(&|r| 1.0 + 0.01 * r) < 1e-9);
+    assert_eq!(told(&|r| if r < 0.4 { 1.0 } else { 0.0 }), 0.0);
+}
+
 #[test]
 fn the_error_of_a_peak_is_that_of_the_pressure_there() {
     let setup = phantom(None, true, true, &[1.0]);

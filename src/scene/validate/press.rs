@@ -288,8 +288,12 @@ fn farthest_mm(face: &FaceOutline, offset_mm: [f64; 2]) -> f64 {
 fn edge(press: &Press, stack: &Stack) -> Result<(), Invalid> {
     let key = "press.edge_radius_mm";
     let (radius, rigid) = (press.edge_radius_mm(stack), press.sensor == PressedSensor::Rigid);
-    let allowed = if rigid && press.interface != Interface::Tied { POSITIVE } else { NOT_NEGATIVE };
-    number(key, radius, allowed, 0.5)?;
+    if rigid && press.interface != Interface::Tied && radius == 0.0 {
+        let message =
+            "must be positive where a rigid sensor slides: no elements resolve its sharp edge; for example 0.5";
+        return Err(Invalid::new(key, message));
+    }
+    number(key, radius, NOT_NEGATIVE, 0.5)?;
     let room = press.largest_edge_radius_mm(stack);
     if radius > room {
         let message = format!("must be at most {room:.3}, a third of the touched face's half width, is {radius}");
