@@ -77,7 +77,9 @@ pub fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Section {
     let caption = "Pressure on the touched face. The peak is judged within 0.8 of its radius, under an indenter \
                    over all of it.";
     items.push(Item::picture(&pictures.pressure, "contact pressure", caption));
-    let percent = |share: Option<f64>| share.map_or("-".to_owned(), within);
+    let percent = |share: Option<f64>| {
+        share.and_then(PressureError::resolved).map_or("-".to_owned(), |share| figure(100.0 * share))
+    };
     let rows = pressed.steps.iter().map(|step| {
         vec![
             load_name(step),
@@ -115,11 +117,6 @@ pub fn load_name(step: &PressStep) -> String {
     name
 }
 
-/// An estimated error in percent; a question mark where the elements do not resolve what it is of.
-fn within(share: f64) -> String {
-    PressureError::resolved(share).map_or("?".to_owned(), |share| figure(100.0 * share))
-}
-
 /// A press in words.
 pub fn press_rows(pressed: &Pressed) -> Vec<(String, String)> {
     let percent = |share: f64| figure(100.0 * share);
@@ -152,9 +149,13 @@ pub fn press_rows(pressed: &Pressed) -> Vec<(String, String)> {
                     )
                 };
                 let sharp = error.rounding.map_or(String::new(), sharp);
-                let peak = error.peak.map_or(String::new(), |peak| format!(", its peak within {} %", within(peak)));
-                let [rms, force] = [error.rms, error.force].map(within);
-                format!(" (pressure within {rms} % rms{peak}, force within {force} %{sharp})")
+                let told = |what: &str, share: f64| match PressureError::resolved(share) {
+                    Some(share) => format!("{what} within {} %", percent(share)),
+                    None => format!("{what} not resolved"),
+                };
+                let pressure = told("pressure (rms)", error.rms);
+                let peak = error.peak.map_or(String::new(), |peak| told(", its peak", peak));
+                format!(" ({pressure}{peak}, {}{sharp})", told("force", error.force))
             }
             None => String::new(),
         };
