@@ -235,6 +235,12 @@ fn what_stands_out_at_a_peak_is_told() {
 }
 
 #[test]
+fn more_than_a_quarter_is_no_error() {
+    assert_eq!([0.0, 0.25].map(PressureError::resolved), [Some(0.0), Some(0.25)]);
+    assert_eq!([0.26, f64::INFINITY, f64::NAN].map(PressureError::resolved), [None; 3]);
+}
+
+#[test]
 fn the_error_of_a_peak_is_that_of_the_pressure_there() {
     let setup = phantom(None, true, true, &[1.0]);
     let hill = |top: f64| rings(&setup, 0.1, &move |r| 1.0 + top * (-r * r).exp());
