@@ -45,7 +45,7 @@ LIGHT = ["mean_radiance", "contrast", "unevenness", "trapped", "escaped", "absor
 CASES = {
     "disc": ("contact-disc", SMALL_DISC, LIGHT, 65_536),
     "bright": ("contact-disc", BRIGHT, ["saturated", "mean_grey"], 65_536),
-    "noisy": ("dent-cap", SMALL_DENT, ["saturated", "mean_grey"], 65_536),
+    "noisy": ("dent-cap", SMALL_DENT, ["mean_radiance", "saturated", "mean_grey"], 65_536),
     "phantom": ("phantom-size-8mm", SMALL_PHANTOM, [*LIGHT, "snr"], 131_072),
     "null": ("phantom-size-8mm", {**SMALL_PHANTOM, **SAME}, ["snr", "contrast"], 131_072),
     "less": ("phantom-size-8mm", {**SMALL_PHANTOM, "[2.0]": "[4.0]"}, ["paper"], 131_072),

@@ -20,9 +20,10 @@
 
 use super::exposed::Exposed;
 use super::image::GreyImage;
-use super::spread::{Reader, Spread, Subtracted, Variance, with_error};
+use super::spread::{Reader, Spread, Subtracted, with_error};
 use super::told::{by_noise, most_of_the_frame};
 use super::value::Value;
+use crate::film::MeanError;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -99,15 +100,17 @@ pub fn measure(image: &GreyImage, frame: &Exposed, subtracted: Subtracted, thres
         return paper;
     };
     let spread = Reader { frame, subtracted, threshold_grey }.spread(sum, centroid);
-    paper.sum_grey = with_error(sum, &spread.sum);
+    // Rare bright paths, which a mean of few has met or has not, count in full for a sum.
+    let [low, high] = spread.sum.interval();
+    paper.sum_grey = Value::known(sum, sum + low, sum + high);
     if let Some(place) = centroid {
-        let errors = spread.centroid.map(|variance| variance.half_width());
+        let errors = spread.centroid.map(|error| error.half_width());
         let shifted = |sign: f64| [0, 1].map(|axis| place[axis] + sign * errors[axis]);
         paper.centroid_px = Value::Known { value: place, low: shifted(-1.0), high: shifted(1.0) };
     }
     if let Some(&h) = paper.h_grey.best() {
         paper.h_grey = match &spread.h {
-            Some(variance) => with_error(h, variance),
+            Some(error) => with_error(h, error),
             None => Value::undefined("few paths, or none, brought the light about the centroid: trace more"),
         };
     }
@@ -119,14 +122,14 @@ pub fn measure(image: &GreyImage, frame: &Exposed, subtracted: Subtracted, thres
         (false, Subtracted::Image(_)) => OF_THE_FRAME,
         (false, Subtracted::Nothing | Subtracted::Frame(_)) => OF_THE_FIGURE,
     };
-    let Spread { lit_by_noise, lit_by_noise_variance, .. } = spread;
-    paper.warnings.extend(by_noise(paper.lit_pixels, lit_by_noise, lit_by_noise_variance.total()));
+    let Spread { lit_by_noise, lit_by_noise_error, .. } = spread;
+    paper.warnings.extend(by_noise(paper.lit_pixels, lit_by_noise, lit_by_noise_error.variance));
     paper
 }
 
 /// The diameter of so many pixels, with the interval that the variance of their number leaves.
-fn diameter_of_count(lit: usize, variance: &Variance) -> Value {
-    let half = variance.half_width();
+fn diameter_of_count(lit: usize, error: &MeanError) -> Value {
+    let half = error.half_width();
     let diameter = |pixels: f64| 2.0 * (pixels.max(0.0) / PI).sqrt();
     let lit = lit as f64;
     Value::known(diameter(lit), diameter(lit - half), diameter(lit + half))

@@ -13,7 +13,8 @@
 //! The second is known: cameras' noise is independent from pixel to pixel, and it makes the light's own share right
 //! where f is a step and the light's noise crosses it (a jackknife of a count is wrong there: Miller 1974). It is never
 //! negative (Cacoullos 1982: var f >= f'^2 var). What is neglected is of second order in the correlation of pairs of
-//! pixels. Parts of different freedom are joined by Satterthwaite's rule (1946).
+//! pixels. Parts of different freedom are joined by Satterthwaite's rule (1946); that the light of few paths is skewed
+//! is told by the third moment over the groups.
 //!
 //! Where few paths brought a pixel's light it is not normal: there f_i' and var f_i are those of leaving out one group
 //! at a time (`exposed.rs`).
@@ -22,7 +23,7 @@ use super::exposed::{Exposed, of_few_paths};
 use super::image::GreyImage;
 use super::value::Value;
 use crate::camera::{Response, Signal};
-use crate::film::{Group, quantile_95};
+use crate::film::{Group, MeanError};
 use rayon::prelude::*;
 
 /// What is subtracted from a frame.
@@ -36,41 +37,18 @@ pub enum Subtracted<'a> {
     Frame(&'a Exposed<'a>),
 }
 
-/// Variance of a figure, in parts with their degrees of freedom.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Variance {
-    /// Known.
-    known: f64,
-    /// From the groups of frame and reference: variance and degrees of freedom.
-    light: [(f64, f64); 2],
-}
-
-impl Variance {
-    pub fn total(&self) -> f64 {
-        self.known + self.light.iter().map(|(variance, _)| variance).sum::<f64>()
-    }
-
-    /// Half of the 95 % interval.
-    pub fn half_width(&self) -> f64 {
-        let total = self.total();
-        let uncertain: f64 = self.light.iter().filter(|part| part.0 > 0.0).map(|(v, freedom)| v * v / freedom).sum();
-        let freedom = if uncertain > 0.0 { total * total / uncertain } else { f64::INFINITY };
-        quantile_95(freedom) * total.sqrt()
-    }
-}
-
-/// Variances of the figures of one image.
+/// Errors of the figures of one image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Spread {
-    pub sum: Variance,
-    pub lit: Variance,
+    pub sum: MeanError,
+    pub lit: MeanError,
     /// Column and row.
-    pub centroid: [Variance; 2],
+    pub centroid: [MeanError; 2],
     /// None where few paths, or no path, brought the light about the centroid.
-    pub h: Option<Variance>,
-    /// Pixels that would be lit by noise alone, and the variance of their number.
+    pub h: Option<MeanError>,
+    /// Pixels that would be lit by noise alone, and the error of their number.
     pub lit_by_noise: f64,
-    pub lit_by_noise_variance: Variance,
+    pub lit_by_noise_error: MeanError,
 }
 
 /// Figures that are sums over pixels: M, both moments about the centroid over M, lit pixels, pixels lit by noise alone.
@@ -126,20 +104,14 @@ impl Reader<'_> {
                 exposed.groups().par_iter().map(one).collect::<Vec<_>>()
             })
         });
-        let variance = |figure: usize| {
-            let light = [0, 1].map(|which| self.of_groups(which, projected[which].iter().map(|sums| sums[figure])));
-            Variance { known: known[figure].max(0.0), light }
+        let known = known.map(|known| known.max(0.0));
+        let error = |figure: usize| {
+            let of_light = |which: usize| self.of_groups(which, projected[which].iter().map(|sums| sums[figure]));
+            MeanError::known(known[figure]).plus(of_light(0)).plus(of_light(1))
         };
-        let centroid_variance = [variance(1), variance(2)];
-        let h = centroid.and_then(|place| self.h(place, centroid_variance, &projected));
-        Spread {
-            sum: variance(0),
-            centroid: centroid_variance,
-            lit: variance(3),
-            h,
-            lit_by_noise,
-            lit_by_noise_variance: variance(4),
-        }
+        let centroid_error = [error(1), error(2)];
+        let h = centroid.and_then(|place| self.h(place, centroid_error, [known[1], known[2]], &projected));
+        Spread { sum: error(0), centroid: centroid_error, lit: error(3), h, lit_by_noise, lit_by_noise_error: error(4) }
     }
 
     fn pixels(&self) -> usize {
@@ -244,24 +216,25 @@ impl Reader<'_> {
         Some((found, slopes))
     }
 
-    /// Variance of the mean over groups of replicates of one number each, and its degrees of freedom.
-    fn of_groups(&self, which: usize, numbers: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    /// Of the mean over groups of replicates of one number each.
+    fn of_groups(&self, which: usize, numbers: impl Iterator<Item = f64> + Clone) -> MeanError {
         let groups = self.exposed(which).map_or(&[][..], |exposed| exposed.groups());
-        let weights = groups.iter().map(|group| f64::from(group.replicates));
-        let total: f64 = weights.clone().sum();
-        let freedom = groups.len() as f64 - 1.0;
-        if freedom < 1.0 {
-            return (0.0, f64::INFINITY);
-        }
-        let mean = weights.clone().zip(numbers.clone()).map(|(n, x)| n * x).sum::<f64>() / total;
-        let squares: f64 = weights.zip(numbers).map(|(n, x)| n * (x - mean).powi(2)).sum();
-        (squares / (freedom * total), freedom)
+        let all: f64 = groups.iter().map(|group| f64::from(group.replicates)).sum();
+        let shares = groups.iter().map(|group| f64::from(group.replicates) / all);
+        let mean: f64 = shares.clone().zip(numbers.clone()).map(|(share, x)| share * x).sum();
+        MeanError::of_groups(shares.zip(numbers).map(|(share, x)| (share, x - mean)))
     }
 
-    /// Variance of h: of the four pixels about the centroid, and of the centroid on the slope of the image. None where
+    /// Error of h: of the four pixels about the centroid, and of the centroid on the slope of the image. None where
     /// these pixels' light is not known well enough for one; a reference may be dark there.
-    fn h(&self, place: [f64; 2], centroid: [Variance; 2], projected: &[Vec<[f64; SUMS]>; 2]) -> Option<Variance> {
-        let errors = centroid.map(|variance| variance.total().sqrt());
+    fn h(
+        &self,
+        place: [f64; 2],
+        centroid: [MeanError; 2],
+        known_of_centroid: [f64; 2],
+        projected: &[Vec<[f64; SUMS]>; 2],
+    ) -> Option<MeanError> {
+        let errors = centroid.map(|error| error.variance.sqrt());
         let slope = self.slope_at(place, errors);
         let around = GreyImage::around(place, [self.frame.width(), self.pixels() / self.frame.width().max(1)]);
         for which in [0, 1] {
@@ -269,7 +242,7 @@ impl Reader<'_> {
             let mean: f64 = around.iter().map(|&(pixel, weight)| weight * exposed.light(pixel)).sum();
             let of_group =
                 |group| around.iter().map(|&(pixel, weight)| weight * exposed.deviation(group, pixel)).sum::<f64>();
-            let (variance, _) = self.of_groups(which, exposed.groups().iter().map(of_group));
+            let variance = self.of_groups(which, exposed.groups().iter().map(of_group)).variance;
             if of_few_paths(mean, variance) || (which == 0 && mean == 0.0) {
                 return None;
             }
@@ -289,8 +262,8 @@ impl Reader<'_> {
         // Between pixels the weights of a centroid that wanders are not those of the one that was found.
         let squares = bilinear_square(place[0], errors[0]) * bilinear_square(place[1], errors[1]);
         let four: f64 = around.iter().map(|&(pixel, weight)| weight * self.beyond_light(pixel)).sum();
-        let known = squares * four + slope[0].powi(2) * centroid[0].known + slope[1].powi(2) * centroid[1].known;
-        Some(Variance { known, light })
+        let known = squares * four + slope[0].powi(2) * known_of_centroid[0] + slope[1].powi(2) * known_of_centroid[1];
+        Some(MeanError::known(known).plus(light[0]).plus(light[1]))
     }
 
     /// Slope of the expected image along columns and rows: a plane fitted about a place.
@@ -352,8 +325,8 @@ fn bilinear_square(place: f64, error: f64) -> f64 {
 }
 
 /// A value with half of its interval on either side.
-pub(super) fn with_error(value: f64, variance: &Variance) -> Value {
-    let half = variance.half_width();
+pub(super) fn with_error(value: f64, error: &MeanError) -> Value {
+    let half = error.half_width();
     Value::known(value, value - half, value + half)
 }
 

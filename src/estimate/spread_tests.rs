@@ -150,19 +150,6 @@ fn weights_of_a_place_go_from_a_centre_to_the_mean_of_all_places() {
     }
 }
 
-#[test]
-fn parts_of_few_degrees_of_freedom_widen_an_interval() {
-    let light = Variance { known: 0.0, light: [(4.0, 15.0), (0.0, f64::INFINITY)] };
-    // Student's t of 15 degrees: 2.1314 (tables).
-    assert!((light.half_width() - 2.0 * 2.131_449_5).abs() < 1e-5);
-    let known = Variance { known: 4.0, light: [(0.0, f64::INFINITY); 2] };
-    assert!((known.half_width() - 2.0 * 1.959_964).abs() < 1e-5);
-    // Two equal parts: 30 degrees, t = 2.0423.
-    let both = Variance { known: 0.0, light: [(2.0, 15.0); 2] };
-    assert!((both.half_width() - 2.0 * 2.042_272).abs() < 1e-5);
-    assert_eq!(Variance::default().half_width(), 0.0);
-}
-
 /// Pixels that single paths light, by `rate` paths each: lit or not is a matter of one replicate.
 fn sparse(rate: f64, seed: u32, grey: f64) -> Film {
     let mut sum = BlockAccumulator::new(WIDTH, HEIGHT);

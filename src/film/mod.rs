@@ -5,6 +5,7 @@ pub mod compare;
 mod correlation;
 mod groups;
 pub mod ledger;
+mod mean_error;
 mod parts;
 mod tails;
 
@@ -13,6 +14,7 @@ pub use compare::{Comparison, compare};
 pub use correlation::Correlation;
 pub use groups::{Group, MOST_GROUPS};
 pub use ledger::Ledger;
+pub use mean_error::MeanError;
 pub use parts::Parts;
 pub use tails::{mean_interval, quantile_95};
 

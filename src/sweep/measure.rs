@@ -7,7 +7,7 @@
 use crate::camera::{Saturation, expected_electrons};
 use crate::estimate::Value;
 use crate::figure::Figure;
-use crate::film::{Film, quantile_95};
+use crate::film::{Film, MeanError, quantile_95};
 use crate::mechanics::press::{PressStep, Pressed};
 use crate::pipeline::{ReadAs, Reference, Shot, StepSummary, view_of};
 use schemars::JsonSchema;
@@ -293,27 +293,25 @@ fn jackknife(films: &[&Film], figure: impl Fn(&[&[f64]]) -> f64) -> Value {
     let whole: Vec<Vec<f64>> = films.iter().map(|film| wide(&film.mean)).collect();
     let of = |means: &[Vec<f64>]| figure(&means.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let value = of(&whole);
-    let (mut variance, mut freedom) = (0.0, f64::INFINITY);
+    let mut error = MeanError::default();
     for (k, film) in films.iter().enumerate() {
         let groups = &film.groups;
         if groups.len() < 2 {
             return Value::undefined("the image has too few replicates to know its error");
         }
         let all: f64 = groups.iter().map(|group| f64::from(group.replicates)).sum();
-        // Groups may differ in size (the last one): each is left out by its own weight.
+        // Groups may differ in size (the last one): each is left out by its own weight, and were the figure a mean, it
+        // would depart by this from that of all (pseudo-values: Tukey 1958).
         let left_out = groups.iter().map(|group| {
             let share = f64::from(group.replicates) / all;
             let without = whole[k].iter().zip(&group.mean).map(|(m, g)| (m - share * f64::from(*g)) / (1.0 - share));
             let mut means = whole.clone();
             means[k] = without.collect();
-            // (1 - share) / share of the squared change is an estimate of the variance by itself (Busing, Meijer and
-            // van der Leeden, Statistics and Computing 9, 1999).
-            (1.0 - share) / share * (of(&means) - value).powi(2)
+            (share, (1.0 - share) / share * (value - of(&means)))
         });
-        variance += left_out.sum::<f64>() / groups.len() as f64;
-        freedom = freedom.min(groups.len() as f64 - 1.0);
+        error = error.plus(MeanError::of_groups(left_out.collect::<Vec<_>>().into_iter()));
     }
-    let half = quantile_95(freedom) * variance.sqrt();
+    let half = error.half_width();
     Value::known(value, value - half, value + half)
 }
 

@@ -59,10 +59,12 @@ fn normal_quantile(share: f64) -> f64 {
     -SQRT_2 * erfc_inv(2.0 * share)
 }
 
-/// A power that is a whole number but for rounding, as that number: counts vary in powers of ten too.
-fn whole(value: f64) -> f64 {
-    let near = value.round();
-    if (value - near).abs() <= 8.0 * f64::EPSILON * near.abs() { near } else { value }
+/// A value of a list without what rounding left behind the 15th digit of a scale: 1.405 is no 1.4049999999999998, and
+/// counts in powers of ten are whole.
+fn written_out(value: f64, scale: f64) -> f64 {
+    let decimals = (14.0 - scale.abs().log10().floor()).clamp(0.0, 340.0) as usize;
+    // A sum with 0 has no sign where it is none.
+    format!("{value:.decimals$}").parse().map_or(value, |value: f64| value + 0.0)
 }
 
 impl Distribution {
@@ -142,13 +144,16 @@ impl Source {
             Vary { values: Some(values), .. } => list(values, "values")?,
             Vary { choice: Some(values), .. } => list(values, "choice")?,
             Vary { linear: Some(range), .. } => {
-                range.list("linear", |k, last| range.from + (range.to - range.from) * k / last)?
+                let scale = range.from.abs().max(range.to.abs());
+                let at = |k, last| range.from + (range.to - range.from) * k / last;
+                range.list("linear", |k, last| written_out(at(k, last), scale))?
             }
             Vary { log: Some(range), .. } => {
                 if range.from <= 0.0 || range.to <= 0.0 {
                     return Err("log must lie above 0".into());
                 }
-                range.list("log", |k, last| whole(range.from * (range.to / range.from).powf(k / last)))?
+                let at = |k, last| range.from * (range.to / range.from).powf(k / last);
+                range.list("log", |k, last| written_out(at(k, last), at(k, last)))?
             }
             Vary { uniform: Some(range), .. } => {
                 let (low, high) = bounds(*range, "uniform", false)?;
@@ -283,7 +288,13 @@ mod tests {
         };
         let linear = numbers(source(|v| v.linear = range(1.4, 1.42, 3)).unwrap());
         assert_eq!((linear[0], linear[2]), (1.4, 1.42));
-        assert!((linear[1] - 1.41).abs() < 1e-12);
+        assert_eq!(linear[1], 1.41);
+        let fine = numbers(source(|v| v.linear = range(1.40, 1.43, 7)).unwrap());
+        assert_eq!(fine, [1.4, 1.405, 1.41, 1.415, 1.42, 1.425, 1.43]);
+        let across = numbers(source(|v| v.linear = range(-0.1, 0.2, 4)).unwrap());
+        assert!(across == [-0.1, 0.0, 0.1, 0.2] && across[1].is_sign_positive(), "{across:?}");
+        let wide = numbers(source(|v| v.linear = range(-1e300, 1e300, 3)).unwrap());
+        assert_eq!(wide, [-1e300, 0.0, 1e300]);
         // Whole steps are whole numbers: keys such as seeds ask for them.
         let whole = numbers(source(|v| v.linear = range(1.0, 200.0, 200)).unwrap());
         assert!((1..=200).zip(whole).all(|(k, value)| f64::from(k) == value));
@@ -291,6 +302,8 @@ mod tests {
         assert!((log[1] - 10.0).abs() < 1e-12 && log[2] == 100.0);
         let counts = numbers(source(|v| v.log = range(1e3, 1e6, 4)).unwrap());
         assert_eq!(counts, [1e3, 1e4, 1e5, 1e6]);
+        let small = numbers(source(|v| v.log = range(1e-100, 1e100, 5)).unwrap());
+        assert_eq!(small, [1e-100, 1e-50, 1.0, 1e50, 1e100]);
         assert_eq!(numbers(source(|v| v.linear = range(3.0, 9.0, 1)).unwrap()), [3.0]);
         let drawn = source(|v| v.choice = Some(["a", "b"].map(|text| Scalar::Text(text.into())).to_vec())).unwrap();
         assert_eq!(drawn.at(0.49).unwrap(), Scalar::Text("a".into()));

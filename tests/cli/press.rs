@@ -38,6 +38,28 @@ fn a_press_writes_its_files_and_says_its_figures() {
     assert!(peak(mechanics) > 1.2 * peak(&without["mechanics"]), "the inclusion presses");
 }
 
+/// A contact that is narrower than the elements: hardly touched, a rounded edge bears all at its rim.
+#[test]
+fn a_contact_that_elements_do_not_resolve_has_no_error_and_says_why() {
+    let place = Place::new();
+    let round = "indenter = { kind = \"round\", radius_mm = 6.0 }";
+    let flat = "indenter = { kind = \"rounded_flat\", flat_mm = 3.0, edge_radius_mm = 1.5 }";
+    let ball = include_str!("../../benches/presses/ball.toml");
+    assert!(ball.contains(round));
+    let text_of = ball.replace(round, flat).replace("[0.5, 1.0, 2.0, 3.0]", "[0.005, 1.0]");
+    place.write("scene.toml", &text_of);
+    let output = tirtouch_in(place.path(), &["press", "scene.toml", "-o", "out", "--json", "--quiet"]);
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let said = json(&output);
+    let steps = said["mechanics"]["steps"].as_array().unwrap();
+    let unresolved = steps[0]["peak_error"]["undefined"].as_str().unwrap_or_else(|| panic!("{said}"));
+    assert!(unresolved.contains("do not resolve the contact: a higher press.resolution does"), "{unresolved}");
+    assert!(steps[1]["peak_error"].as_f64().unwrap() < 0.25, "{said}");
+    let output = tirtouch_in(place.path(), &["press", "scene.toml", "-o", "told"]);
+    let told = ["its peak not resolved", "its peak within"].map(|words| text(&output.stdout).matches(words).count());
+    assert_eq!(told, [1, 1], "{}", text(&output.stdout));
+}
+
 #[test]
 fn a_run_presses_first_and_subtracts_its_baseline() {
     let place = Place::new();
