@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn effects_of_records_are_the_slopes_of_a_linear_function() {
         let place = tempfile::tempdir().unwrap();
-        let design = "{ kind = \"morris\", trajectories = 4, seed = 1 }";
+        let design = "{ kind = \"morris\", trajectories = 6, seed = 1 }";
         let (sweep, records) = done(&place.path().join("out"), design, |x| 1.0 + 2.0 * x[0] - 3.0 * x[1]);
         let found = sweep.sensitivity(&records);
         let Ok(Sensitivity::Effects(effects)) = &found[0].1 else { panic!("{found:?}") };

@@ -4,6 +4,7 @@
 //! JCGT 9(4), 2020). Morris trajectories: Morris, Technometrics 33(2), 1991. Saltelli: Saltelli et al., Computer Physics
 //! Communications 181(2), 2010.
 
+use super::sensitivity::{BASE_POINTS, TRAJECTORIES};
 use crate::camera::noise::PixelRandom;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -48,7 +49,7 @@ pub enum Design {
     },
     /// Trajectories that change one variable after the other: which variables matter at all.
     Morris {
-        /// Trajectories; each takes a point more than there are variables.
+        /// Trajectories, at least 6; each takes a point more than there are variables.
         trajectories: u32,
         /// Seed.
         #[serde(default)]
@@ -56,7 +57,7 @@ pub enum Design {
     },
     /// Saltelli's design of Sobol indices: `points` times as many points as there are variables and two more.
     Saltelli {
-        /// Base points.
+        /// Base points, at least 64.
         points: u32,
         /// Seed.
         #[serde(default)]
@@ -143,10 +144,12 @@ impl Design {
             Self::Random { points, seed } => (Units::Random { dimensions, seed }, points.into()),
             Self::Morris { trajectories, seed } => {
                 let levels = lists.iter().map(|&length| if length > 0 { length as u32 } else { LEVELS }).collect();
+                enough(trajectories, TRAJECTORIES, "morris needs", "trajectories")?;
                 (Units::Morris { levels, seed }, u64::from(trajectories) * u64::from(dimensions + 1))
             }
             Self::Saltelli { points, seed } => {
                 sobol_fits(points, 2 * dimensions)?;
+                enough(points, BASE_POINTS, "saltelli needs", "base points")?;
                 (Units::Saltelli { dimensions, seed }, u64::from(points) * u64::from(dimensions + 2))
             }
             // Its table has the points.
@@ -157,6 +160,14 @@ impl Design {
             count if count > MOST_POINTS => Err(format!("has {count} points; at most {MOST_POINTS} are computed")),
             count => Ok((units, count as usize)),
         }
+    }
+}
+
+/// Designs that are for sensitivities alone are not computed where these cannot be told.
+fn enough(count: u32, least: u32, needs: &str, what: &str) -> Result<(), String> {
+    match count >= least {
+        true => Ok(()),
+        false => Err(format!("{needs} at least {least} {what}, for intervals that hold; has {count}")),
     }
 }
 
@@ -308,7 +319,7 @@ mod tests {
 
     #[test]
     fn saltellis_blocks_share_columns_with_a_and_b() {
-        let found = points(&Design::Saltelli { points: 8, seed: 1 }, &[0; 3]);
+        let found = points(&Design::Saltelli { points: 64, seed: 1 }, &[0; 3]);
         for base in found.chunks(5) {
             let [a, blocks @ .., b] = base else { panic!() };
             for (k, block) in blocks.iter().enumerate() {
@@ -339,6 +350,8 @@ mod tests {
             (Design::LatinHypercube { points: u32::MAX, seed: 0 }, vec![0], "at most"),
             (Design::Sobol { points: 70_000, seed: 0 }, vec![0], "which has 65536"),
             (Design::Saltelli { points: 8, seed: 0 }, vec![0; 200], "which has 256"),
+            (Design::Saltelli { points: 63, seed: 0 }, vec![0], "at least 64 base points"),
+            (Design::Morris { trajectories: 5, seed: 0 }, vec![0], "at least 6 trajectories"),
             (Design::Morris { trajectories: u32::MAX, seed: 0 }, vec![0; 9], "at most"),
         ] {
             let found = design.units(&lists).unwrap_err();
