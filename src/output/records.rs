@@ -2,7 +2,7 @@
 
 use super::leftovers::leftovers;
 use super::order::{ITEMS, ORDER, PARTIAL, await_order, damaged, difference, is_bare, strange};
-use super::whole::{unwritable, whole_file, write_by};
+use super::whole::{passing_file, unwritable, write_by};
 use super::worker::{self, Worker};
 use super::{Claim, Claimed, OutputError, Remedy};
 use crate::film::{Film, RADIANCE_UNIT};
@@ -274,7 +274,7 @@ impl Records {
             std::fs::create_dir_all(parent).map_err(|error| unwritable(parent, &error))?;
         }
         let _whole = leftovers();
-        let made = whole_file().tempfile_in(&self.folder).map_err(|error| unwritable(&path, &error))?;
+        let made = passing_file(&self.folder).map_err(|error| unwritable(&path, &error))?;
         write(made.path()).map_err(|error| OutputError::of_image(error, &path))?;
         // It may have put another file in this one's place.
         std::fs::File::open(made.path()).and_then(|file| file.sync_all()).map_err(|error| unwritable(&path, &error))?;

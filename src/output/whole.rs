@@ -19,7 +19,7 @@ pub fn write_whole(path: &Path, text: &str) -> Result<(), OutputError> {
 pub(super) fn write_by(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     let _whole = leftovers();
     let write = || {
-        let file = whole_file().tempfile_in(folder)?;
+        let file = passing_file(folder)?;
         file.as_file().write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(path).map_err(|error| error.error)
@@ -34,7 +34,7 @@ pub(super) fn write_by(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), O
 pub fn write_new(path: &Path, text: &str) -> Result<(), OutputError> {
     let _whole = leftovers();
     let write = || {
-        let file = whole_file().tempfile_in(folder_of(path))?;
+        let file = passing_file(folder_of(path))?;
         file.as_file().write_all(text.as_bytes())?;
         file.as_file().sync_all()?;
         file.persist_noclobber(path).map_err(|error| error.error)
@@ -54,7 +54,7 @@ pub fn write_new(path: &Path, text: &str) -> Result<(), OutputError> {
 pub fn fill_whole(folder: &Path, write: impl FnOnce(&Path) -> std::io::Result<()>) -> Result<(), OutputError> {
     let fill = || {
         std::fs::create_dir_all(folder)?;
-        let place = tempfile::Builder::new().prefix(".tirtouch").tempdir_in(folder)?;
+        let place = tempfile::Builder::new().prefix(".tirtouch").tempdir_in(folder).map_err(unnamed)?;
         write(place.path())?;
         for file in std::fs::read_dir(place.path())? {
             let file = file?;
@@ -81,15 +81,21 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// A file that grows beside its place. Others may read it as they may any file of this user: workers of a cluster do.
-pub(super) fn whole_file() -> tempfile::Builder<'static, 'static> {
+/// A file that grows in the folder of its place. Others may read it as they may any file of this user: workers of a
+/// cluster do.
+pub(super) fn passing_file(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    builder
+    builder.tempfile_in(folder).map_err(unnamed)
+}
+
+/// The error without the name of a passing file, which is gone when it is read.
+fn unnamed(error: std::io::Error) -> std::io::Error {
+    error.kind().into()
 }
 
 pub(super) fn unwritable(path: &Path, error: &std::io::Error) -> OutputError {

@@ -59,9 +59,9 @@ fn normal_quantile(share: f64) -> f64 {
     -SQRT_2 * erfc_inv(2.0 * share)
 }
 
-/// A value of a list without what rounding left behind the 15th digit of a scale: 1.405 is no 1.4049999999999998, and
+/// A value without what rounding left behind the 15th digit of a scale: 1.405 is no 1.4049999999999998, and
 /// counts in powers of ten are whole.
-fn written_out(value: f64, scale: f64) -> f64 {
+pub(super) fn written_out(value: f64, scale: f64) -> f64 {
     let decimals = (14.0 - scale.abs().log10().floor()).clamp(0.0, 340.0) as usize;
     // A sum with 0 has no sign where it is none.
     format!("{value:.decimals$}").parse().map_or(value, |value: f64| value + 0.0)

@@ -2,7 +2,7 @@
 
 use super::columns::Columns;
 use super::design::Units;
-use super::distribution::Source;
+use super::distribution::{Source, written_out};
 use super::{Design, Expression, KeyPath, Require, Scalar, Vary};
 use crate::scene::Invalid;
 use std::collections::{BTreeMap, BTreeSet};
@@ -216,7 +216,7 @@ impl Plan {
             let one = &self.variables[k];
             if let Source::Derived(expression) = &one.source {
                 let value = expression.value(&self.numbers(&values)).map_err(|why| format!("{}: {why}", one.name))?;
-                values[k] = Some(Scalar::Number(value));
+                values[k] = Some(Scalar::Number(written_out(value, value)));
             }
         }
         Ok(values)
@@ -425,6 +425,13 @@ mod tests {
         let plan = plan(&[below(), top(), step()], &["n_below > 1.395"], Design::Grid {}).unwrap();
         assert!(plan.point(2).is_err());
         assert_eq!(Some(plan.values(2)), numbers(&[1.41 - 0.02, 1.41, 0.02]));
+    }
+
+    #[test]
+    fn an_expression_has_the_value_that_one_would_write() {
+        let below = vary("n_below", "stack.layer[1].n", |v| v.expression = Some("n_top - 0.05".into()));
+        let plan = plan(&[below, top()], &[], Design::Grid {}).unwrap();
+        assert_eq!([Some(plan.values(0)), Some(plan.values(1))], [numbers(&[1.36, 1.41]), numbers(&[1.37, 1.42])]);
     }
 
     #[test]
