@@ -121,6 +121,12 @@ impl Load {
         self.step.peak_pressure_kpa
     }
 
+    /// Its place on the undeformed face, x and y (r and 0 where axisymmetric), mm; None where nothing is borne.
+    #[getter]
+    fn peak_at_mm(&self) -> Option<(f64, f64)> {
+        self.step.peak_at_mm.map(Into::into)
+    }
+
     /// Error of the force by the mesh, as a share of it.
     #[getter]
     fn force_error(&self) -> Value {

@@ -39,6 +39,7 @@ def test_a_press_says_what_the_command_line_says(
     first, last = press.loads
     assert (first.depth_mm, last.depth_mm, last.slide_mm, last.hold_s) == (0.5, 0.9, (0, 0), 0)
     assert 0 < first.force_n < last.force_n and 0 < first.peak_pressure_kpa < last.peak_pressure_kpa
+    assert last.peak_at_mm == (0, 0), "over the inclusion"
     for error in (last.force_error, last.pressure_error, last.peak_error):
         assert not error and "estimate_error" in str(error.reason)
     assert ours["mechanics"]["steps"] == [load.to_dict() for load in press.loads]

@@ -29,10 +29,11 @@ pub fn facts(shot: &Shot) -> Vec<(String, String)> {
         fact(
             "samples",
             format!(
-                "{} a pixel, {} paths, {} photons, {} replicates, seed {}",
+                "{} a pixel, {} paths, {} photons{}, {} replicates, seed {}",
                 outcome.spp,
                 figure(outcome.paths as f64),
                 figure(outcome.photons as f64),
+                mirrored(shot),
                 outcome.film.replicates,
                 shot.prepared.streams.seed
             ),
@@ -49,6 +50,14 @@ pub fn facts(shot: &Shot) -> Vec<(String, String)> {
         fact("mean radiance", mean_radiance(shot)),
         fact("camera", camera(shot)),
     ]
+}
+
+/// For how many places each photon of the map counts.
+fn mirrored(shot: &Shot) -> String {
+    match (shot.outcome.smoothing, shot.prepared.model.symmetry.order()) {
+        (Some(_), order @ 2..) => format!(" (each for {order} mirror images)"),
+        _ => String::new(),
+    }
 }
 
 /// Edge of the blocks whose error is told beside that of a pixel.

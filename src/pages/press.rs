@@ -4,6 +4,7 @@ use super::PageError;
 use super::facts::{figure, scene_rows, version};
 use super::press_files::{PressPictures, write_press};
 use super::truth::truth_table;
+use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::press::{PressStep, Pressed, PressureError, Rounding, SensorBody};
 use crate::output::OutputFolder;
 use crate::pipeline::{PressSummary, Truth, method_name, setting};
@@ -80,6 +81,9 @@ pub fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Section {
     let percent = |share: Option<f64>| {
         share.and_then(PressureError::resolved).map_or("-".to_owned(), |share| figure(100.0 * share))
     };
+    let is_solid = pressed.setup.kinematics == Kinematics::ThreeDimensional;
+    let at = if is_solid { "at x, y (mm)" } else { "at (mm)" };
+    let place = |[x, y]: [f64; 2]| if is_solid { format!("{x:.2}, {y:.2}") } else { format!("{x:.2}") };
     let rows = pressed.steps.iter().map(|step| {
         vec![
             load_name(step),
@@ -87,10 +91,11 @@ pub fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Section {
             percent(step.error.map(|error| error.force)),
             format!("{:.4}", step.peak_pressure_kpa),
             percent(step.error.and_then(|error| error.peak)),
+            step.peak_at_mm.map_or("-".to_owned(), place),
             percent(step.error.map(|error| error.rms)),
         ]
     });
-    let columns = ["load", "force (N)", "± (%)", "peak pressure (kPa)", "± (%)", "all pressures, rms ± (%)"];
+    let columns = ["load", "force (N)", "± (%)", "peak pressure (kPa)", "± (%)", at, "all pressures, rms ± (%)"];
     items.push(Item::Table(Table {
         caption: "Presses; errors are estimated from a second, coarser mesh".into(),
         columns: columns.map(str::to_owned).to_vec(),

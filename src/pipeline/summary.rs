@@ -112,6 +112,8 @@ pub struct MapSummary {
     pub smoothing_mm: [f64; 2],
     /// Bias of the smoothing in either, relative.
     pub relative_bias: [f64; 2],
+    /// Places whose photons count for one, as the scene is its own mirror image: 1, 2 or 4.
+    pub mirror_images: u32,
 }
 
 /// Error of a block of pixels.
@@ -186,6 +188,8 @@ pub struct StepSummary {
     pub force_n: f64,
     /// Largest pressure over 0.8 of the footprint's radius, kPa.
     pub peak_pressure_kpa: f64,
+    /// Its place on the undeformed face, x and y (r and 0 where axisymmetric), mm; none where nothing is borne.
+    pub peak_at_mm: Option<[f64; 2]>,
     /// Of the pressure, root mean square.
     pub pressure_error: Figure,
     /// Of the peak pressure.
@@ -271,6 +275,7 @@ impl Shot<'_> {
             texel_mm,
             smoothing_mm: smoothing.widths.map(|width| width as f64 * texel_mm),
             relative_bias: smoothing.bias,
+            mirror_images: self.prepared.model.symmetry.order(),
         });
         let dark = "the image is dark; absolute_error and mean_radiance_below say how dark";
         let block =
@@ -411,6 +416,7 @@ impl StepSummary {
             hold_s: step.hold_s,
             force_n: step.force_n,
             peak_pressure_kpa: step.peak_pressure_kpa,
+            peak_at_mm: step.peak_at_mm,
             pressure_error: share(step.error.map(|error| error.rms), without),
             peak_error: share(step.error.and_then(|error| error.peak), without_peak),
             force_error: share(step.error.map(|error| error.force), without),

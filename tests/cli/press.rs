@@ -26,6 +26,7 @@ fn a_press_writes_its_files_and_says_its_figures() {
         assert!(mechanics[key].as_f64().unwrap() > 0.0, "{key}: {mechanics}");
     }
     assert_eq!(mechanics["steps"].as_array().unwrap().len(), 2);
+    assert_eq!(mechanics["peak_at_mm"], serde_json::json!([0.0, 0.0]), "over the inclusion");
     let files = names(&place.path().join("with"));
     for name in ["contact.csv", "deformed.vtu", "mesh.svg", "pressure.svg", "report.html"] {
         assert!(files.contains(&name.to_owned()), "{files:?}");
@@ -70,7 +71,7 @@ fn a_run_presses_first_and_subtracts_its_baseline() {
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
     let said = json(&output);
     assert!(said["mechanics"]["force_n"].as_f64().unwrap() > 0.0, "{said}");
-    assert_eq!(said["paper"]["reference"], "baseline.png");
+    assert_eq!((&said["paper"]["reference"], &said["map"]["mirror_images"]), (&"baseline.png".into(), &4.into()));
     assert_eq!(said["earlier_frames"][0]["depth_mm"], 0.5);
     let files = names(&place.path().join("out/phantom-size-8mm"));
     for name in ["baseline.png", "camera_0.5mm.png", "camera.png", "deformed.vtu", "contact.csv", "report.html"] {

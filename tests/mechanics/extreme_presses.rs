@@ -132,6 +132,7 @@ fn no_depth_and_no_force_are_no_press() {
                     .unwrap();
             let step = &pressed.steps[0];
             assert_eq!((step.depth_mm, step.force_n, step.peak_pressure_kpa), (0.0, 0.0, 0.0), "{grip:?}");
+            assert_eq!(step.peak_at_mm, None, "{grip:?}");
             assert!(step.points.iter().all(|p| p.pressure_kpa == 0.0 && p.displacement_mm == [0.0; 3]), "{grip:?}");
             let error = step.error.unwrap();
             assert_eq!((error.rms, error.force), (0.0, 0.0), "{grip:?}");

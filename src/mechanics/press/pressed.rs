@@ -19,6 +19,8 @@ pub struct PressStep {
     /// Largest pressure over 0.8 of the footprint's radius, kPa: the edge of a tied contact is singular. Under an
     /// indenter over all of the face. In two dimensions it may lie at the very end of that part, between two nodes.
     pub peak_pressure_kpa: f64,
+    /// Where it is on the undeformed face: x and y, or r (x in plane strain) and 0, mm; none where nothing is borne.
+    pub peak_at_mm: Option<[f64; 2]>,
     /// Nodes of the touched face, by x, then y.
     pub points: Vec<ContactPoint>,
     /// The whole state.

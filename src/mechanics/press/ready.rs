@@ -91,14 +91,18 @@ fn without_rounding(steps: &mut [PressStep]) {
     let (force, peak) = (largest(|step| step.force_n), largest(|step| step.peak_pressure_kpa));
     for step in steps {
         step.force_n = if step.force_n.abs() > BALANCE * force { step.force_n } else { 0.0 };
-        step.peak_pressure_kpa = if step.peak_pressure_kpa > BALANCE * peak { step.peak_pressure_kpa } else { 0.0 };
+        if step.peak_pressure_kpa <= BALANCE * peak {
+            (step.peak_pressure_kpa, step.peak_at_mm) = (0.0, None);
+        }
     }
 }
 
 fn step(setup: &Setup, assembly: &Assembly, Reached { state, pose, force_n }: Reached) -> PressStep {
     let points = contact_points(&assembly.problem, 0, &state);
     let face = Face::new(setup, assembly.problem.contacts.first(), points);
-    let peak_pressure_kpa = face.peak().map_or(0.0, |(_, pressure)| pressure.max(0.0));
+    let peak = face.peak().filter(|(_, pressure)| *pressure > 0.0);
+    let (peak_pressure_kpa, peak_at_mm) = peak.map_or((0.0, None), |([x, y, _], pressure)| (pressure, Some([x, y])));
     let Pose { depth_mm, slide_mm, hold_s } = pose;
-    PressStep { depth_mm, slide_mm, hold_s, force_n, peak_pressure_kpa, points: face.points, state, error: None }
+    let (points, error) = (face.points, None);
+    PressStep { depth_mm, slide_mm, hold_s, force_n, peak_pressure_kpa, peak_at_mm, points, state, error }
 }
