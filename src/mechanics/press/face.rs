@@ -121,9 +121,9 @@ impl Face {
     /// By how much the node at the peak stands out from what its neighbours tell of the pressure there, as a share of
     /// the peak; none on a face with two axes, and at the end of the contact.
     ///
-    /// On the axis little area bears on a node, and where faces slide pressures of neighbours go up and down: what stands
-    /// out there does not shrink as the square of the elements. Neighbours are two on each side; beyond the axis they
-    /// are those before it.
+    /// On the axis little area bears on a node, and where faces slide pressures of neighbours go up and down: what
+    /// stands out there does not shrink as the square of the elements. Neighbours are two on each side; beyond the axis
+    /// they are those before it.
     pub fn stands_out(&self) -> f64 {
         let Some((at, peak)) = self.peak().filter(|(_, peak)| self.facets.is_none() && *peak > 0.0) else { return 0.0 };
         let away = |k: &usize| (self.points[*k].reference_mm[0] - at[0]).abs();
