@@ -59,6 +59,24 @@ if [ ! -x "$tools/bin/maturin" ]; then
     "$tools/bin/pip" install --quiet --disable-pip-version-check 'maturin>=1.9,<2'
 fi
 
+# Clean environments, one for each Python, with what the tests need beside the wheel: made while that is built.
+environment_of() { "$1" -c 'import sys; print("%s/python/%d.%d" % (sys.argv[1], *sys.version_info[:2]))' "$target"; }
+prepare() {
+    local python venv
+    for python in "${pythons[@]}"; do
+        venv="$(environment_of "$python")"
+        "$python" -m venv --clear "$venv"
+        local pip=("$venv/bin/pip" install --quiet --disable-pip-version-check)
+        "${pip[@]}" numpy pytest
+        [ "$python" = "${pythons[0]}" ] || continue
+        "${pip[@]}" mypy datasets pillow xarray 'pdoc>=16,<17'
+        # The renderer to compare with has not been built for every Python; what needs it is skipped where it is missing.
+        "${pip[@]}" --only-binary :all: mitsuba || say "no Mitsuba for $venv: its scenes are not looked at"
+    done
+}
+prepare &
+prepared=$!
+
 # Both packages are named, so that features are those of the wheel's library: then it is compiled once.
 cargo build --profile "$profile" --locked -p tirtouch -p tirtouch-python --bin tirtouch
 rm -rf "$target/wheels"
@@ -66,24 +84,21 @@ rm -rf "$target/wheels"
 "$tools/bin/maturin" build --profile "$profile" --locked --manifest-path python/Cargo.toml --auditwheel skip \
     --out "$target/wheels"
 wheels=("$target"/wheels/*.whl)
+wait "$prepared"
 
 export TIRTOUCH_REQUIRE_GPU="${TIRTOUCH_REQUIRE_GPU:-1}"
 TIRTOUCH_BINARY="$(realpath "$target/$folder/tirtouch")"
 export TIRTOUCH_BINARY
 for python in "${pythons[@]}"; do
-    version="$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
-    venv="$target/python/$version"
-    "$python" -m venv --clear "$venv"
+    venv="$(environment_of "$python")"
     pip=("$venv/bin/pip" install --quiet --disable-pip-version-check)
-    say "Python $version"
+    say "Python ${venv##*/}"
     if [ "$python" != "${pythons[0]}" ]; then
-        "${pip[@]}" "${wheels[0]}" numpy pytest
+        "${pip[@]}" "${wheels[0]}"
         "$venv/bin/python" -m pytest -q -p no:cacheprovider python/tests/test_scene.py python/tests/test_render.py
         continue
     fi
-    "${pip[@]}" "${wheels[0]}[tables,progress]" numpy pytest mypy datasets pillow 'pdoc>=16,<17'
-    # The renderer to compare with has not been built for every Python; what needs it is skipped where it is missing.
-    "${pip[@]}" --only-binary :all: mitsuba || say "no Mitsuba for Python $version: its scenes are not looked at"
+    "${pip[@]}" "${wheels[0]}[tables,progress]"
     "$venv/bin/python" -m pytest -q -p no:cacheprovider python/tests
     "$venv/bin/python" -m mypy.stubtest tirtouch --mypy-config-file python/pyproject.toml
     bash python/docs.sh "$venv/bin/python"

@@ -83,24 +83,24 @@ esac
 export TIRTOUCH_REQUIRE_GPU=1
 # Mesa's device selection would write a warning on standard error, which some tests read.
 export NODEVICE_SELECT=1
-# More tests at once than cores, and more threads in each: one that waits for a driver's compiler, which uses one core,
-# leaves the others to the rest, and a busy machine gives each thread its share.
+# Two more tests at once than cores: while one waits for a driver's compiler, which uses one core, others work.
 cores="$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)"
-export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$((cores + 6))}"
-export RAYON_NUM_THREADS="${RAYON_NUM_THREADS:-$RUST_TEST_THREADS}"
-export LP_NUM_THREADS="${LP_NUM_THREADS:-$RUST_TEST_THREADS}"
+export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$((cores + 2))}"
 
 run() {
     say "$*"
     "$@"
 }
-# A test runs the examples and finds them built. Documentation examples are a run of their own in cargo.
-examples=()
-for file in examples/*.rs; do examples+=(--example "$(basename "$file" .rs)"); done
 # The package for Python is named too, though nothing of it is run here: the library then has the features of the
 # wheel's, and `python/check.sh` finds it compiled.
 packages=(-p tirtouch -p tirtouch-python)
+# The library with its tests and without, side by side.
+run cargo test --profile ci --locked "${packages[@]}" --tests --no-run
+# A test runs the examples and finds them built.
+examples=()
+for file in examples/*.rs; do examples+=(--example "$(basename "$file" .rs)"); done
 run cargo build --profile ci --locked "${packages[@]}" "${examples[@]}"
 run cargo test --profile ci --locked "${packages[@]}" --tests "$@"
+# Documentation examples are a run of their own in cargo.
 run cargo test --profile ci --locked "${packages[@]}" --doc "$@"
 say "all tests passed"

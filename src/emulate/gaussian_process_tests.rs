@@ -19,6 +19,17 @@ fn values(points: &[Vec<f64>], of: impl Fn(&[f64]) -> f64, seed: u32) -> Vec<f64
 }
 
 #[test]
+fn an_evaluator_tells_the_values_but_for_rounding() {
+    let points = places(160, 21);
+    let process = GaussianProcess::fit(&points, &values(&points, wavy, 22)).unwrap();
+    let evaluator = process.evaluator();
+    for place in places(500, 23) {
+        let off = evaluator.value(&place) - process.value(&place);
+        assert!(off.abs() < 1e-10, "{off:e}");
+    }
+}
+
+#[test]
 fn a_smooth_function_is_found_with_its_noise_and_its_own_error() {
     let points = places(160, 1);
     let process = GaussianProcess::fit(&points, &values(&points, wavy, 2)).unwrap();

@@ -3,5 +3,6 @@
 pub mod components;
 pub mod gaussian_process;
 mod trend;
+pub(crate) mod weighted_points;
 pub use components::Components;
-pub use gaussian_process::{FitError, GaussianProcess, Predicted, Slopes, Variances};
+pub use gaussian_process::{Evaluator, FitError, GaussianProcess, Predicted, Slopes, Variances};

@@ -16,6 +16,15 @@ pub(super) fn monomials(place: &[f64]) -> Vec<f64> {
     all
 }
 
+/// Sum of the monomials at a place, each times its factor.
+pub(super) fn sum(place: &[f64], factors: &[f64]) -> f64 {
+    let mut factors = factors.iter();
+    let mut with = |value: f64| factors.next().map_or(0.0, |factor| factor * value);
+    let linear: f64 = with(1.0) + place.iter().map(|x| with(*x)).sum::<f64>();
+    let squares = place.iter().enumerate().map(|(i, x)| x * place.iter().skip(i).map(|y| with(*y)).sum::<f64>());
+    linear + squares.sum::<f64>()
+}
+
 /// Slopes of the monomials at a place: of each, one along every variable.
 pub(super) fn slopes(place: &[f64]) -> Vec<Vec<f64>> {
     let d = place.len();

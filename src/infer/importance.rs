@@ -6,13 +6,14 @@
 //! many they are worth is known.
 
 use crate::camera::noise::PixelRandom;
+use crate::emulate::weighted_points::{Student, WeightedPoints};
 use faer::linalg::solvers::Llt;
 use faer::{Mat, Side};
 use rayon::prelude::*;
 
 /// Kernels of a mixture, and their degrees of freedom.
 const KERNELS: usize = 128;
-const TAILS: f64 = 5.0;
+const TAILS: u32 = 5;
 /// What kernels are wider by than those that smooth a cloud best, so that they reach beyond it.
 const REACH: f64 = 1.3;
 /// Share of the draws from kernels that are wider yet, and their width in that of the cloud.
@@ -149,7 +150,7 @@ impl Mixture {
 struct Kernels {
     centers: Vec<Vec<f64>>,
     /// The same in units in which a kernel is round.
-    round: Vec<Vec<f64>>,
+    round: WeightedPoints,
     /// Lower triangle of the kernels' shape, row after row.
     lower: Vec<Vec<f64>>,
     /// One over the volume of that shape.
@@ -160,42 +161,35 @@ impl Kernels {
     fn of(centers: Vec<Vec<f64>>, shape: &[Vec<f64>], width: f64) -> Self {
         let lower: Vec<Vec<f64>> = shape.iter().map(|row| row.iter().map(|l| width * l).collect()).collect();
         let dense = 1.0 / lower.iter().filter_map(|row| row.last()).product::<f64>();
-        let mut kernels = Self { round: Vec::new(), centers, lower, dense };
-        kernels.round = kernels.centers.iter().map(|center| kernels.rounded(center)).collect();
-        kernels
-    }
-
-    /// A place in units in which a kernel is round.
-    fn rounded(&self, place: &[f64]) -> Vec<f64> {
-        let mut out: Vec<f64> = Vec::with_capacity(place.len());
-        for (row, x) in self.lower.iter().zip(place) {
-            let known: f64 = row.iter().zip(&out).map(|(l, z)| l * z).sum();
-            out.push((x - known) / row.last().copied().unwrap_or(1.0));
-        }
-        out
+        let round = WeightedPoints::new(lower.len(), centers.iter().map(|center| (rounded(&lower, center), 1.0)));
+        Self { round, centers, lower, dense }
     }
 
     fn draw(&self, random: &mut PixelRandom) -> Vec<f64> {
         let k = ((random.uniform() * self.centers.len() as f64) as usize).min(self.centers.len() - 1);
         // Student's t: a normal over the root of a mean of squares.
-        let squares: f64 = (0..TAILS as usize).map(|_| random.normal().powi(2)).sum();
-        let longer = (TAILS / squares.max(f64::MIN_POSITIVE)).sqrt();
+        let squares: f64 = (0..TAILS).map(|_| random.normal().powi(2)).sum();
+        let longer = (f64::from(TAILS) / squares.max(f64::MIN_POSITIVE)).sqrt();
         let steps: Vec<f64> = (0..self.lower.len()).map(|_| longer * random.normal()).collect();
         let along = |row: &Vec<f64>| row.iter().zip(&steps).map(|(l, step)| l * step).sum::<f64>();
         self.centers[k].iter().zip(&self.lower).map(|(x, row)| x + along(row)).collect()
     }
 
     fn density(&self, place: &[f64]) -> f64 {
-        let at = self.rounded(place);
-        let twice = TAILS as i32 + at.len() as i32;
-        let kernel = |center: &Vec<f64>| {
-            let square: f64 = at.iter().zip(center).map(|(a, b)| (a - b) * (a - b)).sum();
-            let off = 1.0 + square / TAILS;
-            let whole = off.powi(twice / 2);
-            1.0 / if twice % 2 == 0 { whole } else { whole * off.sqrt() }
-        };
-        self.dense * self.round.iter().map(kernel).sum::<f64>()
+        let at = rounded(&self.lower, place);
+        let profile = Student { freedom: TAILS, dimensions: at.len() as u32 };
+        self.dense * self.round.sum(&at, profile)
     }
+}
+
+/// A place in units in which kernels of this shape are round.
+fn rounded(lower: &[Vec<f64>], place: &[f64]) -> Vec<f64> {
+    let mut out: Vec<f64> = Vec::with_capacity(place.len());
+    for (row, x) in lower.iter().zip(place) {
+        let known: f64 = row.iter().zip(&out).map(|(l, z)| l * z).sum();
+        out.push((x - known) / row.last().copied().unwrap_or(1.0));
+    }
+    out
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use super::importance::Weighted;
 use super::learnt::Scored;
 use super::seen::Told;
 use crate::camera::noise::PixelRandom;
-use crate::emulate::{FitError, GaussianProcess};
+use crate::emulate::{Evaluator, FitError, GaussianProcess};
 use faer::linalg::solvers::{DenseSolveCore as _, Llt};
 use faer::{Mat, Side};
 
@@ -118,11 +118,12 @@ impl Scored {
         let whole =
             Mat::from_fn(k, k, |i, j| widened * (told.covariance[(i, j)] + if i == j { variances[i] } else { 0.0 }));
         let inverse = Llt::new(whole.as_ref(), Side::Lower).map_err(|_| FitError::Degenerate)?.inverse();
+        let followed: Vec<Evaluator> = followed.iter().map(|process| process.evaluator()).collect();
         Ok(move |place: &[f64]| {
             if self.unknowns.iter().zip(place).any(|(one, x)| !one.prior.holds(*x)) {
                 return f64::NEG_INFINITY;
             }
-            let off = told.scores.iter().zip(followed).map(|(told, process)| told - process.value(place));
+            let off = told.scores.iter().zip(&followed).map(|(told, process)| told - process.value(place));
             let off: Vec<f64> = off.collect();
             let mut square = 0.0;
             for i in 0..k {
