@@ -70,7 +70,7 @@ prepare() {
         "${pip[@]}" numpy pytest
         [ "$python" = "${pythons[0]}" ] || continue
         "${pip[@]}" mypy datasets pillow xarray 'pdoc>=16,<17'
-        # The renderer to compare with has not been built for every Python; what needs it is skipped where it is missing.
+        # The renderer to compare with is not built for every Python; what needs it is skipped where it is missing.
         "${pip[@]}" --only-binary :all: mitsuba || say "no Mitsuba for $venv: its scenes are not looked at"
     done
 }

@@ -47,7 +47,7 @@ install_lavapipe() {
     [ -z "${VK_DRIVER_FILES:-${VK_ICD_FILENAMES:-}}" ] ||
         fail "VK_DRIVER_FILES or VK_ICD_FILENAMES is set and gives no usable driver: correct it or unset it"
     command -v apt-get >/dev/null ||
-        fail "no Vulkan adapter found and no apt-get here: install Mesa's lavapipe and the Vulkan loader, then run this again"
+        fail "no Vulkan adapter found, no apt-get here: install Mesa's lavapipe and the Vulkan loader, run this again"
     if [ "$(id -u)" -ne 0 ]; then
         command -v sudo >/dev/null ||
             fail "no Vulkan adapter found; as root, run: apt-get update && apt-get install ${packages[*]}"

@@ -1,4 +1,5 @@
-//! Sums over points of a function of their distances from a place, in vectors as wide as the CPU has.
+//! Sums over points of a function of their distances from a place, in vectors as wide as the CPU has. What is added in
+//! which order stays as it is written: the bits are the same on every CPU.
 
 use std::array;
 use std::f64::consts::LOG2_E;
@@ -31,7 +32,7 @@ impl WeightedPoints {
     pub fn new<P: AsRef<[f64]>>(variables: usize, points: impl IntoIterator<Item = (P, f64)>) -> Self {
         let mut numbers = Vec::new();
         for (k, (point, weight)) in points.into_iter().enumerate() {
-            if k % TOGETHER == 0 {
+            if k.is_multiple_of(TOGETHER) {
                 numbers.resize(numbers.len() + variables + 1, [0.0; TOGETHER]);
             }
             let first = numbers.len() - variables - 1;
@@ -139,7 +140,7 @@ impl Profile for Student {
     fn of(&self, squares: Numbers) -> Numbers {
         let twice = self.freedom + self.dimensions;
         let near = squares.map(|square| 1.0 / (1.0 + square / f64::from(self.freedom)));
-        let mut values = if twice % 2 == 0 { [1.0; TOGETHER] } else { near.map(f64::sqrt) };
+        let mut values = if twice.is_multiple_of(2) { [1.0; TOGETHER] } else { near.map(f64::sqrt) };
         for _ in 0..twice / 2 {
             values = array::from_fn(|k| values[k] * near[k]);
         }

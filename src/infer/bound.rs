@@ -8,8 +8,9 @@
 //! ```
 //!
 //! P is what is known beforehand of unknowns that are integrated away: as much as a normal number of their prior's
-//! variance would tell. J is learnt, with an error, and an unknown that changes the scores much as the others do is told
-//! by little more than that error. So J is drawn many times from what is known of it, and the bound has an interval.
+//! variance would tell. J is learnt, with an error, and an unknown that changes the scores much as the others do is
+//! told by little more than that error. So J is drawn many times from what is known of it, and the bound has an
+//! interval.
 
 use super::learnt::Scored;
 use crate::camera::noise::PixelRandom;
