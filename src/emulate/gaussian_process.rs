@@ -146,7 +146,7 @@ impl GaussianProcess {
         self.scale[0] + self.scale[1] * (trend + amplitude * amplitude * near)
     }
 
-    /// What tells many values, each in a third of the time.
+    /// What tells many values, faster.
     pub fn evaluator(&self) -> Evaluator<'_> {
         let (square, lengths) = (self.amplitude().powi(2), self.lengths());
         let scaled = |point: &Vec<f64>| point.iter().zip(&lengths).map(|(x, length)| x / length).collect::<Vec<f64>>();
