@@ -8,12 +8,16 @@ use super::memory::{GIB, limit_gib};
 use super::ordering::nested_dissection;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::linalg::triangular_inverse::invert_unit_lower_triangular;
 use faer::perm::PermRef;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Conj, Mat, MatMut, Par, Side};
 use thiserror::Error;
 
 /// Why a system could not be solved.
@@ -127,27 +131,50 @@ impl SparseLdl {
     /// # Errors
     /// [`SparseError::TooLarge`], [`SparseError::Memory`].
     pub fn new(first: Vec<u32>, positions: &[[f64; 3]], groups: &[Vec<u32>]) -> Result<Self, SparseError> {
-        Self::within(limit_gib(), first, positions, groups)
+        let order = nested_dissection(groups, positions);
+        Self::within(limit_gib(), first, &order, groups, CholeskySymbolicParams::default())
     }
 
-    /// The same with a factor of at most `limit_gib`.
-    fn within(
-        limit_gib: f64,
+    /// The same, eliminating some nodes last, in their order: then [`Self::inverse_of_last`] is had for little.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn ending_with(
+        last: &[u32],
         first: Vec<u32>,
         positions: &[[f64; 3]],
         groups: &[Vec<u32>],
     ) -> Result<Self, SparseError> {
+        let mut is_last = vec![false; positions.len()];
+        last.iter().for_each(|&a| is_last[a as usize] = true);
+        let mut order = nested_dissection(groups, positions);
+        order.retain(|&a| !is_last[a as usize]);
+        order.extend(last);
+        let by_blocks = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            ..Default::default()
+        };
+        Self::within(limit_gib(), first, &order, groups, by_blocks)
+    }
+
+    /// Nodes in their order of elimination, and a factor of at most `limit_gib`.
+    fn within(
+        limit_gib: f64,
+        first: Vec<u32>,
+        nodes: &[u32],
+        groups: &[Vec<u32>],
+        parameters: CholeskySymbolicParams<'_>,
+    ) -> Result<Self, SparseError> {
         let coupled = Coupled::new(&first, groups)?;
         let (columns, rows) = coupled.spell_out(&first)?;
         let n = columns.len() - 1;
-        let nodes = nested_dissection(groups, positions);
         let forward: Vec<u32> = nodes.iter().flat_map(|&a| first[a as usize]..first[a as usize + 1]).collect();
         let mut inverse = vec![0u32; n];
         (0u32..).zip(&forward).for_each(|(k, &old)| inverse[old as usize] = k);
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &columns, None, &rows);
         let order = SymmetricOrdering::Custom(PermRef::new_checked(&forward, &inverse, n));
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, order, CholeskySymbolicParams::default())
-            .map_err(|_| SparseError::TooLarge)?;
+        let symbolic =
+            factorize_symbolic_cholesky(pattern, Side::Lower, order, parameters).map_err(|_| SparseError::TooLarge)?;
         let factor_gib = symbolic.len_val() as f64 * 8.0 / GIB;
         if factor_gib > limit_gib {
             return Err(SparseError::Memory { unknowns: n, factor_gib, limit_gib });
@@ -247,22 +274,32 @@ impl SparseLdl {
         );
     }
 
-    /// Solves for several right sides, one column after the other, with the last factor, in place.
-    ///
-    /// # Errors
-    /// [`SparseError::TooLarge`] where there is no memory for the work.
-    pub fn solve_columns(&self, columns: &mut [f64]) -> Result<(), SparseError> {
-        let n = self.columns.len() - 1;
-        let count = columns.len() / n.max(1);
-        let need = self.symbolic.solve_in_place_scratch::<f64>(count, self.threads);
-        let mut scratch = MemBuffer::try_new(need).map_err(|_| SparseError::TooLarge)?;
-        LdltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(columns, n, count),
-            self.threads,
-            MemStack::new(&mut scratch),
-        );
-        Ok(())
+    /// The last `count` rows and columns of the inverse, in the order of elimination, by the last factor of a matrix
+    /// that [`Self::ending_with`] made; `None` for any other. Where A = L D L^T, that of A ends with that of L_e D_e L_e^T,
+    /// L_e and D_e being the ends of L and D.
+    pub fn inverse_of_last(&self, count: usize) -> Option<Mat<f64>> {
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else { return None };
+        let factor = SupernodalLdltRef::new(symbolic, &self.factor);
+        let before = symbolic.nrows().checked_sub(count)?;
+        let mut lower = Mat::<f64>::identity(count, count);
+        let mut pivots = vec![1.0; count];
+        for block in (0..symbolic.n_supernodes()).map(|s| factor.supernode(s)) {
+            let (entries, start) = (block.val(), block.start());
+            for j in before.saturating_sub(start)..entries.ncols() {
+                let column = start + j - before;
+                pivots[column] = entries[(j, j)];
+                let below = (start + j + 1..start + entries.ncols()).chain(block.pattern().iter().map(|&i| i as usize));
+                for (k, row) in below.enumerate() {
+                    lower[(row - before, column)] = entries[(j + 1 + k, j)];
+                }
+            }
+        }
+        let mut inverse = Mat::zeros(count, count);
+        invert_unit_lower_triangular(inverse.as_mut(), lower.as_ref(), self.threads);
+        // Which is written below its diagonal alone.
+        (0..count).for_each(|j| inverse[(j, j)] = 1.0);
+        let scaled = Mat::from_fn(count, count, |i, j| inverse[(i, j)] / pivots[i]);
+        Some(inverse.transpose() * scaled)
     }
 
     /// Bytes held by the factor.
@@ -274,6 +311,7 @@ impl SparseLdl {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::noise::PixelRandom;
 
     /// A chain of nodes with 2, 0, 1, 2, 2 unknowns; the elements couple neighbours, and the last with the first.
     fn chain() -> (Vec<u32>, Vec<Vec<u32>>, SparseLdl) {
@@ -283,13 +321,13 @@ mod tests {
         (first, groups, matrix)
     }
 
-    /// Equations of a node's two components; those not free are held.
-    fn numbers(first: &[u32], nodes: &[u32]) -> Vec<u32> {
+    /// Equations of the nodes' components; those not free are held.
+    fn numbers(first: &[u32], nodes: &[u32], per_node: u32) -> Vec<u32> {
         let number = |a: u32, c: u32| {
             let at = first[a as usize] + c;
             if at < first[a as usize + 1] { at } else { u32::MAX }
         };
-        nodes.iter().flat_map(|&a| [number(a, 0), number(a, 1)]).collect()
+        nodes.iter().flat_map(|&a| (0..per_node).map(move |c| number(a, c))).collect()
     }
 
     #[test]
@@ -303,7 +341,7 @@ mod tests {
                     if i == j { 5.0 + g as f64 } else { 1.0 / (1.0 + (i + j) as f64 + g as f64) }
                 })
                 .collect();
-            let numbers = numbers(&first, group);
+            let numbers = numbers(&first, group, 2);
             matrix.add(group, &numbers, &part);
             for (i, &row) in numbers.iter().enumerate().filter(|(_, n)| **n != u32::MAX) {
                 for (j, &column) in numbers.iter().enumerate().filter(|(_, n)| **n != u32::MAX) {
@@ -331,9 +369,50 @@ mod tests {
         assert!(matrix.position(3, 6).is_some() && matrix.position(0, 2).is_none());
     }
 
+    /// 300 times nodes of 1 to 3 unknowns, elements of neighbours and of random pairs, pivots of either sign.
+    #[test]
+    fn the_end_of_an_inverse_is_that_of_whole_solutions() {
+        for case in 0..300 {
+            let mut random = PixelRandom::new(3, case);
+            let mut below = |most: u32| (random.uniform() * f64::from(most)) as u32;
+            let count = 2 + below(40);
+            let first: Vec<u32> = (0..=count).scan(0, |n, _| Some(std::mem::replace(n, *n + 1 + below(3)))).collect();
+            let mut groups: Vec<Vec<u32>> = (1..count).map(|a| vec![a - 1, a]).collect();
+            groups.extend((0..count / 4).map(|_| vec![below(count), below(count)]).filter(|pair| pair[0] != pair[1]));
+            let positions: Vec<[f64; 3]> = (0..count).map(|a| [f64::from(a), 0.0, 0.0]).collect();
+            let mut last: Vec<u32> = (0..count).filter(|_| below(3) == 0).collect();
+            last.reverse();
+            let mut matrix = SparseLdl::ending_with(&last, first.clone(), &positions, &groups).unwrap();
+            for group in &groups {
+                let numbers = numbers(&first, group, 3);
+                let size = numbers.len();
+                let part: Vec<f64> = (0..size * size)
+                    .map(|k| match (k / size, k % size) {
+                        (i, j) if i != j => ((i + j + i * j) % 5) as f64 - 2.0,
+                        (i, _) => f64::from(20 + below(9)) * if numbers[i].is_multiple_of(3) { -1.0 } else { 1.0 },
+                    })
+                    .collect();
+                matrix.add(group, &numbers, &part);
+            }
+            matrix.factorize().unwrap();
+            let unknowns: Vec<u32> = last.iter().flat_map(|&a| first[a as usize]..first[a as usize + 1]).collect();
+            let inverse = matrix.inverse_of_last(unknowns.len()).unwrap();
+            for (j, &k) in unknowns.iter().enumerate() {
+                let mut column = vec![0.0; first[count as usize] as usize];
+                column[k as usize] = 1.0;
+                matrix.solve(&mut column);
+                for (i, &row) in unknowns.iter().enumerate() {
+                    let (by_end, whole) = (inverse[(i, j)], column[row as usize]);
+                    assert!((by_end - whole).abs() < 1e-14, "case {case}, {i} {j}: {by_end} {whole}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn a_factor_beyond_the_limit_is_refused_by_its_size() {
-        let error = SparseLdl::within(1e-7, vec![0, 3, 6], &[[0.0; 3]; 2], &[vec![0, 1]]).err();
+        let parameters = CholeskySymbolicParams::default();
+        let error = SparseLdl::within(1e-7, vec![0, 3, 6], &[0, 1], &[vec![0, 1]], parameters).err();
         assert!(matches!(error, Some(SparseError::Memory { unknowns: 6, .. })), "{error:?}");
     }
 }

@@ -344,7 +344,7 @@ impl<'a> Batch<'a> {
         let Sent { tally, deposits, .. } = sent;
         held(if mode == PhotonMode::Splat { "pixels" } else { "cells of the map" }, &deposits)?;
         let sent = u64::from(threads) * u64::from(each);
-        debug_assert_eq!(tally[book::EMITTED], (sent as f64 * UNIT) as i64);
+        assert_eq!(tally[book::EMITTED], (sent as f64 * UNIT) as i64);
         self.totals.photons += sent;
         self.totals.times.photons += begun.elapsed().as_secs_f64();
         if mode != PhotonMode::Ledger && Kernel::of(self.model).aimed {

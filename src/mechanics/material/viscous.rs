@@ -107,7 +107,7 @@ impl History {
 
     /// S = factor S_iso + frozen after a step.
     fn frozen(&self, relaxation: &[Prony], dt_s: f64) -> (f64, Tensor) {
-        debug_assert_eq!(self.terms.len(), relaxation.len(), "a history of another material");
+        assert_eq!(self.terms.len(), relaxation.len(), "a history of another material");
         let mut factor = 1.0;
         let mut frozen = [0.0; 6];
         for (h, prony) in self.terms.iter().zip(relaxation) {

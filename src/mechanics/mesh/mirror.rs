@@ -49,7 +49,7 @@ impl Whole {
         self.mesh.region.extend_from_within(..);
         self.elements.extend_from_within(..);
         self.elements[elements..].iter_mut().for_each(|element| *element = mirrored(*element, axis));
-        debug_assert_eq!(self.mesh.elements.len(), size * self.mesh.element_count());
+        assert_eq!(self.mesh.elements.len(), size * self.mesh.element_count());
         self.mesh.facets.retain(|facet| facet.boundary != plane);
         let turned = |facet: &Facet| Facet {
             element: facet.element + elements as u32,

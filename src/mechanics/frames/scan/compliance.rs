@@ -20,8 +20,6 @@ use std::collections::BTreeSet;
 
 /// Largest bulk modulus in shear moduli for which an element's tangent is exact.
 const MOST_BULK: f64 = 1e4;
-/// Right sides solved at a time.
-const BLOCK: usize = 32;
 /// Newton iterations of a position.
 const ITERATIONS: usize = 60;
 /// Largest error of a displacement and of a gap in contact, mm.
@@ -56,11 +54,11 @@ impl Compliance {
         setup.grip == Grip::Frictionless && setup.materials.iter().all(linear) && below > setup.depth_mm
     }
 
-    /// Factorises the tissue and loads each node of the face. `None` where `observe` stops it.
+    /// Factorises the tissue, the face last. `None` where `observe` stops it.
     ///
     /// # Errors
     /// Where the system cannot be factorised.
-    pub fn new(setup: &ScanSetup, mesh: &Mesh, observe: &dyn Fn(f64) -> bool) -> Result<Option<Self>, SparseError> {
+    pub fn new(setup: &ScanSetup, mesh: &Mesh, observe: &dyn Fn() -> bool) -> Result<Option<Self>, SparseError> {
         let reach = match setup.tissue.footprint {
             Footprint::Round { radius_mm } => radius_mm,
             Footprint::Rectangle { half_widths_mm } => half_widths_mm[0],
@@ -80,26 +78,12 @@ impl Compliance {
             *e = equations;
             equations += 1;
         }
-        let system = assembled(setup, mesh, &equation)?;
-        let mut matrix = Mat::zeros(components.len(), components.len());
-        let n = equations as usize;
-        let mut first = 0;
-        for block in components.chunks(BLOCK) {
-            if !observe(first as f64 / components.len() as f64) {
-                return Ok(None);
-            }
-            let mut right = vec![0.0; n * block.len()];
-            for (column, &k) in right.chunks_mut(n).zip(block) {
-                column[equation[k as usize] as usize] = 1.0;
-            }
-            system.solve_columns(&mut right)?;
-            for (j, column) in right.chunks(n).enumerate() {
-                for (i, &k) in components.iter().enumerate() {
-                    matrix[(i, first + j)] = column[equation[k as usize] as usize];
-                }
-            }
-            first += block.len();
+        if !observe() {
+            return Ok(None);
         }
+        let nodes: Vec<u32> = nodes.into_iter().collect();
+        let system = assembled(setup, mesh, &equation, &nodes)?;
+        let matrix = system.inverse_of_last(components.len()).ok_or(SparseError::Indefinite)?;
         Ok(Some(Self { facets, row, matrix }))
     }
 
@@ -216,15 +200,15 @@ fn active(contact: &Contact, gaps: &[NodeGap], pressure: &[f64]) -> Vec<usize> {
     (0..gaps.len()).filter(presses).collect()
 }
 
-/// The tissue's stiffness, factorised.
-fn assembled(setup: &ScanSetup, mesh: &Mesh, equation: &[u32]) -> Result<SparseLdl, SparseError> {
+/// The tissue's stiffness, factorised with these nodes last.
+fn assembled(setup: &ScanSetup, mesh: &Mesh, equation: &[u32], last: &[u32]) -> Result<SparseLdl, SparseError> {
     let groups: Vec<Vec<u32>> = (0..mesh.element_count()).map(|e| mesh.element(e).to_vec()).collect();
     let mut first = vec![0];
     for unknowns in equation.chunks(2) {
         let free = unknowns.iter().filter(|e| **e != NONE).count() as u32;
         first.push(first.last().map_or(0, |last| last + free));
     }
-    let mut system = SparseLdl::new(first, &mesh.nodes, &groups)?;
+    let mut system = SparseLdl::ending_with(last, first, &mesh.nodes, &groups)?;
     let still = vec![[0.0; 3]; mesh.element_size()];
     let bulk = Some(tangent_bulk_kpa(&setup.materials));
     for e in 0..mesh.element_count() {

@@ -163,7 +163,7 @@ pub fn frames(
     observe: &(dyn Fn() -> bool + Sync),
 ) -> Result<Frames, ScanError> {
     let compliance = match Compliance::suits(setup) {
-        true => Compliance::new(setup, mesh, &|_| observe())
+        true => Compliance::new(setup, mesh, &|| observe())
             .map_or(Ok(None), |made| made.map(Some).ok_or(ScanError::Stopped))?,
         false => None,
     };
@@ -204,11 +204,8 @@ fn compliances(
     }
     let mut both = Vec::new();
     for ((tissue, _), first) in tissues.iter().zip([0.0, 0.5]) {
-        let stage = |share: f64| {
-            let done = FACTORISED * (first + 0.5 * share);
-            observe(Stage { done, what: "factorising" })
-        };
-        match Compliance::new(tissue, mesh, &stage) {
+        let observe = || observe(Stage { done: FACTORISED * first, what: "factorising" });
+        match Compliance::new(tissue, mesh, &observe) {
             Ok(Some(compliance)) => both.push(compliance),
             Ok(None) => return Err(ScanError::Stopped),
             // Then each position has to be solved whole.
