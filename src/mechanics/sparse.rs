@@ -274,9 +274,9 @@ impl SparseLdl {
         );
     }
 
-    /// The last `count` rows and columns of the inverse, in the order of elimination, by the last factor of a matrix
-    /// that [`Self::ending_with`] made; `None` for any other. Where A = L D L^T, that of A ends with that of L_e D_e L_e^T,
-    /// L_e and D_e being the ends of L and D.
+    /// The last `count` rows and columns of the inverse, in the order of elimination, by the last factor. Where
+    /// A = L D L^T, the inverse of A ends with that of L_e D_e L_e^T, L_e and D_e being the ends of L and D. `None`
+    /// where the factor is not held by blocks, as that of [`Self::ending_with`] is.
     pub fn inverse_of_last(&self, count: usize) -> Option<Mat<f64>> {
         let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else { return None };
         let factor = SupernodalLdltRef::new(symbolic, &self.factor);

@@ -344,7 +344,10 @@ impl<'a> Batch<'a> {
         let Sent { tally, deposits, .. } = sent;
         held(if mode == PhotonMode::Splat { "pixels" } else { "cells of the map" }, &deposits)?;
         let sent = u64::from(threads) * u64::from(each);
-        assert_eq!(tally[book::EMITTED], (sent as f64 * UNIT) as i64);
+        let emitted = tally[book::EMITTED] as f64 / UNIT;
+        if emitted != sent as f64 {
+            return Err(TraceError::CutShort { finished: emitted as u64, sent });
+        }
         self.totals.photons += sent;
         self.totals.times.photons += begun.elapsed().as_secs_f64();
         if mode != PhotonMode::Ledger && Kernel::of(self.model).aimed {
