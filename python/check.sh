@@ -69,7 +69,7 @@ prepare() {
         local pip=("$venv/bin/pip" install --quiet --disable-pip-version-check)
         "${pip[@]}" numpy pytest
         [ "$python" = "${pythons[0]}" ] || continue
-        "${pip[@]}" mypy datasets pillow xarray 'pdoc>=16,<17'
+        "${pip[@]}" pytest-xdist mypy datasets pillow xarray 'pdoc>=16,<17'
         # The renderer to compare with is not built for every Python; what needs it is skipped where it is missing.
         "${pip[@]}" --only-binary :all: mitsuba || say "no Mitsuba for $venv: its scenes are not looked at"
     done
@@ -89,18 +89,24 @@ wait "$prepared"
 export TIRTOUCH_REQUIRE_GPU="${TIRTOUCH_REQUIRE_GPU:-1}"
 TIRTOUCH_BINARY="$(realpath "$target/$folder/tirtouch")"
 export TIRTOUCH_BINARY
+tests() { "$venv/bin/python" -m pytest -q -p no:cacheprovider "$@"; }
+cores="$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)"
 for python in "${pythons[@]}"; do
     venv="$(environment_of "$python")"
     pip=("$venv/bin/pip" install --quiet --disable-pip-version-check)
     say "Python ${venv##*/}"
-    if [ "$python" != "${pythons[0]}" ]; then
+    if [ "$python" = "${pythons[0]}" ]; then
+        "${pip[@]}" "${wheels[0]}[tables,progress]"
+        # A file's tests share what they press and learn.
+        tests -n "$cores" --dist loadfile python/tests
+        # Beside the other's tests: each is one thread's work.
+        "$venv/bin/python" -m mypy.stubtest tirtouch --mypy-config-file python/pyproject.toml &
+        typed=$!
+        bash python/docs.sh "$venv/bin/python"
+    else
         "${pip[@]}" "${wheels[0]}"
-        "$venv/bin/python" -m pytest -q -p no:cacheprovider python/tests/test_scene.py python/tests/test_render.py
-        continue
+        tests python/tests/test_scene.py python/tests/test_render.py
     fi
-    "${pip[@]}" "${wheels[0]}[tables,progress]"
-    "$venv/bin/python" -m pytest -q -p no:cacheprovider python/tests
-    "$venv/bin/python" -m mypy.stubtest tirtouch --mypy-config-file python/pyproject.toml
-    bash python/docs.sh "$venv/bin/python"
 done
+wait "$typed"
 say "all tests passed"
