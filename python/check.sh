@@ -54,24 +54,29 @@ done
 say "with ${pythons[*]}"
 
 tools="$target/python/tools"
-if [ ! -x "$tools/bin/maturin" ]; then
+if [ ! -x "$tools/bin/uv" ]; then
     "${pythons[0]}" -m venv --clear "$tools"
-    "$tools/bin/pip" install --quiet --disable-pip-version-check 'maturin>=1.9,<2'
+    "$tools/bin/pip" install --quiet --disable-pip-version-check 'maturin>=1.9,<2' uv
 fi
+export UV_CACHE_DIR="$target/python/cache"
 
 # Clean environments, one for each Python, with what the tests need beside the wheel: made while that is built.
 environment_of() { "$1" -c 'import sys; print("%s/python/%d.%d" % (sys.argv[1], *sys.version_info[:2]))' "$target"; }
+into() {
+    local venv="$1"
+    shift
+    "$tools/bin/uv" pip install --quiet --python "$venv/bin/python" "$@"
+}
 prepare() {
     local python venv
     for python in "${pythons[@]}"; do
         venv="$(environment_of "$python")"
-        "$python" -m venv --clear "$venv"
-        local pip=("$venv/bin/pip" install --quiet --disable-pip-version-check)
-        "${pip[@]}" numpy pytest
+        "$tools/bin/uv" venv --quiet --clear --python "$python" "$venv"
+        into "$venv" numpy pytest
         [ "$python" = "${pythons[0]}" ] || continue
-        "${pip[@]}" pytest-xdist mypy datasets pillow xarray 'pdoc>=16,<17'
+        into "$venv" pytest-xdist mypy datasets pillow xarray 'pdoc>=16,<17'
         # The renderer to compare with is not built for every Python; what needs it is skipped where it is missing.
-        "${pip[@]}" --only-binary :all: mitsuba || say "no Mitsuba for $venv: its scenes are not looked at"
+        into "$venv" --only-binary :all: mitsuba || say "no Mitsuba for $venv: its scenes are not looked at"
     done
 }
 prepare &
@@ -93,10 +98,9 @@ tests() { "$venv/bin/python" -m pytest -q -p no:cacheprovider "$@"; }
 cores="$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)"
 for python in "${pythons[@]}"; do
     venv="$(environment_of "$python")"
-    pip=("$venv/bin/pip" install --quiet --disable-pip-version-check)
     say "Python ${venv##*/}"
     if [ "$python" = "${pythons[0]}" ]; then
-        "${pip[@]}" "${wheels[0]}[tables,progress]"
+        into "$venv" "${wheels[0]}[tables,progress]"
         # A file's tests share what they press and learn.
         tests -n "$cores" --dist loadfile python/tests
         # Beside the other's tests: each is one thread's work.
@@ -104,7 +108,7 @@ for python in "${pythons[@]}"; do
         typed=$!
         bash python/docs.sh "$venv/bin/python"
     else
-        "${pip[@]}" "${wheels[0]}"
+        into "$venv" "${wheels[0]}"
         tests python/tests/test_scene.py python/tests/test_render.py
     fi
 done
