@@ -5,7 +5,22 @@ use super::estimates::short;
 use super::model::Role;
 use crate::scene::{Camera, LoadedScene, Scene, parse};
 use crate::vary::KeyPath;
+use serde_json::{Value, to_value};
 use std::path::Path;
+
+/// What may differ beside the unknowns. The sensor's extent, which pixels of a size make, may not.
+const FREE: [&str; 9] = [
+    "name",
+    "description",
+    "render",
+    "press.depths_mm",
+    "press.estimate_error",
+    "press.resolution",
+    "camera.pixels",
+    "camera.pixel_pitch_um",
+    "camera.sensor",
+];
+const EXTENT: &str = "pixels times pixel_pitch_um";
 
 impl FrameModel {
     /// Whether frames of a scene are those of this sensor, with phantoms of this kind.
@@ -19,17 +34,20 @@ impl FrameModel {
             return Err(format!("it was learnt of a scene with another {key}"));
         }
         // What an inclusion is like is what is asked; all else that varied must be within what was learnt.
-        let scene = serde_json::to_value(&loaded.scene).map_err(|error| error.to_string())?;
-        let at = |key: &str| scene.pointer(&format!("/{}", key.replace(['.', '['], "/").replace(']', "")))?.as_f64();
-        let others = self.learnt.scored.unknowns.iter().zip(&self.keys).zip(&self.roles);
-        let others = others.filter(|(_, role)| **role == Role::Other);
-        let mut outside =
-            others.flat_map(|((one, keys), _)| keys.iter().map(move |key| (one, key))).filter_map(|(one, key)| {
-                let [low, high] = one.prior.bounds().map(|end| one.prior.value(end));
-                let value = at(key).filter(|value| !(low..=high).contains(value))?;
-                Some(format!("it was learnt of {key} from {} to {}, the scene has {value}", short(low), short(high)))
-            });
-        outside.next().map_or(Ok(()), Err)
+        let mut scene = to_value(&loaded.scene).map_err(|error| error.to_string())?;
+        let unknowns = self.learnt.scored.unknowns.iter().zip(&self.keys).zip(&self.roles);
+        for ((one, keys), _) in unknowns.filter(|(_, role)| **role == Role::Other) {
+            let [low, high] = one.prior.bounds().map(|end| one.prior.value(end));
+            for key in keys {
+                let values = key.parse::<KeyPath>()?.values_in(&mut scene);
+                let mut values = values.into_iter().filter_map(|value| value.as_f64());
+                if let Some(value) = values.find(|value| !(low..=high).contains(value)) {
+                    let learnt = format!("{} to {}", short(low), short(high));
+                    return Err(format!("it was learnt of {key} from {learnt}, the scene has {value}"));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The camera that took frames of so many pixels, and the wavelength of its light, nm: that of a scene, else the
@@ -46,75 +64,44 @@ impl FrameModel {
         own.ok_or_else(|| format!("{width} x {height} pixels do not fill the calibration's sensor"))
     }
 
-    /// A scene without what may differ, as it would be written with all its keys: those that a text leaves to their
-    /// defaults count too.
-    fn bare(&self, scene: &Scene) -> Result<toml::Value, String> {
-        let text = toml::to_string(scene).map_err(|error| error.to_string())?;
-        let document = text.parse::<toml_edit::DocumentMut>();
-        let mut document = document.map_err(|error| error.to_string())?;
-        for key in self.keys.iter().flatten() {
-            let path = key.parse::<KeyPath>()?;
-            path.set(document.as_item_mut(), &toml::Value::Float(1.0))?;
+    /// A scene without what may differ, with all its keys: those that a text leaves to their defaults count too.
+    fn bare(&self, scene: &Scene) -> Result<Value, String> {
+        let mut value = to_value(scene).map_err(|error| error.to_string())?;
+        let extent = sensor_mm(&value);
+        for key in FREE.into_iter().chain(self.keys.iter().flatten().map(String::as_str)) {
+            key.parse::<KeyPath>()?.values_in(&mut value).into_iter().for_each(|value| *value = Value::Null);
         }
-        let table = document.to_string().parse::<toml::Table>().map_err(|error| error.to_string())?;
-        let mut value = toml::Value::Table(table);
-        let sensor_mm = sensor_mm(&value);
-        for key in ["name", "description", "render"] {
-            remove(&mut value, &[key]);
-        }
-        for key in ["depths_mm", "estimate_error", "resolution"] {
-            remove(&mut value, &["press", key]);
-        }
-        for key in ["pixels", "pixel_pitch_um", "sensor"] {
-            remove(&mut value, &["camera", key]);
-        }
-        if let Some(camera) = value.get_mut("camera").and_then(toml::Value::as_table_mut) {
-            camera.insert("pixels times pixel_pitch_um".into(), toml::Value::Array(sensor_mm));
+        if let Some(camera) = value["camera"].as_object_mut() {
+            camera.insert(EXTENT.into(), extent.into());
         }
         Ok(value)
     }
 }
 
 /// Extent of the sensor, mm, to a thousandth.
-fn sensor_mm(scene: &toml::Value) -> Vec<toml::Value> {
-    let camera = scene.get("camera");
-    let pitch = camera.and_then(|camera| camera.get("pixel_pitch_um")).and_then(number).unwrap_or(0.0);
-    let pixels = camera.and_then(|camera| camera.get("pixels")).and_then(toml::Value::as_array);
-    let extent = |pixels: &toml::Value| (number(pixels).unwrap_or(0.0) * pitch).round() * 1e-3;
-    pixels.into_iter().flatten().map(|pixels| toml::Value::Float(extent(pixels))).collect()
-}
-
-fn number(value: &toml::Value) -> Option<f64> {
-    value.as_float().or_else(|| value.as_integer().map(|v| v as f64))
-}
-
-fn remove(value: &mut toml::Value, path: &[&str]) {
-    if let ([last], Some(table)) = (path, value.as_table_mut()) {
-        table.remove(*last);
-    } else if let [first, rest @ ..] = path
-        && let Some(inner) = value.get_mut(*first)
-    {
-        remove(inner, rest);
-    }
+fn sensor_mm(scene: &Value) -> Vec<f64> {
+    let camera = &scene["camera"];
+    let pitch = camera["pixel_pitch_um"].as_f64().unwrap_or(0.0);
+    let extent = |pixels: &Value| (pixels.as_f64().unwrap_or(0.0) * pitch).round() * 1e-3;
+    camera["pixels"].as_array().into_iter().flatten().map(extent).collect()
 }
 
 /// The first key that differs.
-fn difference(a: &toml::Value, b: &toml::Value, at: &str) -> Option<String> {
+fn difference(a: &Value, b: &Value, at: &str) -> Option<String> {
     match (a, b) {
-        (toml::Value::Table(a), toml::Value::Table(b)) => {
-            let keys = a.keys().chain(b.keys().filter(|key| !a.contains_key(*key)));
-            let inner = |key: &String| if at.is_empty() { key.clone() } else { format!("{at}.{key}") };
-            let mut keys = keys.filter_map(|key| match (a.get(key), b.get(key)) {
-                (Some(a), Some(b)) => difference(a, b, &inner(key)),
-                _ => Some(inner(key)),
-            });
-            keys.next()
+        (Value::Object(a), Value::Object(b)) => {
+            let mut keys = a.keys().chain(b.keys().filter(|key| !a.contains_key(*key)));
+            keys.find_map(|key| {
+                let inner = if at.is_empty() { key.clone() } else { format!("{at}.{key}") };
+                let [a, b] = [a, b].map(|table| table.get(key).unwrap_or(&Value::Null));
+                difference(a, b, &inner)
+            })
         }
-        (toml::Value::Array(a), toml::Value::Array(b)) if a.len() == b.len() => {
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
             let mut inner = a.iter().zip(b).enumerate();
             inner.find_map(|(k, (a, b))| difference(a, b, &format!("{at}[{k}]")))
         }
-        (a, b) if number(a).is_some() && number(a) == number(b) => None,
+        (a, b) if a.is_number() && a.as_f64() == b.as_f64() => None,
         (a, b) => (a != b).then(|| at.to_owned()),
     }
 }
@@ -126,15 +113,42 @@ mod tests {
     use crate::calibrate::ready;
     use crate::scene::preset;
 
+    fn without_nulls(value: &mut Value) {
+        match value {
+            Value::Object(table) => {
+                table.retain(|_, inner| !inner.is_null());
+                table.values_mut().for_each(without_nulls);
+            }
+            Value::Array(list) => list.iter_mut().for_each(without_nulls),
+            _ => {}
+        }
+    }
+
     #[test]
     fn a_scene_suits_however_it_is_written_and_not_once_its_sensor_differs() {
         let model = ready().unwrap();
         let mut loaded = preset("phantom-size-8mm").unwrap();
-        let with_defaults = parse(&toml::to_string(&loaded.scene).unwrap(), Path::new("all.toml")).unwrap();
+        let mut all = to_value(&loaded.scene).unwrap();
+        without_nulls(&mut all);
+        let with_defaults = parse(&toml::to_string(&all).unwrap(), Path::new("all.toml")).unwrap();
+        assert_eq!(with_defaults.scene, loaded.scene);
         assert_ne!(with_defaults.text, loaded.text);
         assert_eq!((model.suits(&loaded), model.suits(&with_defaults)), (Ok(()), Ok(())));
         // Changed in memory: the text stays as it was.
         loaded.scene.stack.layer[0].n = Some(1.45);
         assert!(model.suits(&loaded).unwrap_err().contains("stack.layer[0].n"));
+    }
+
+    #[test]
+    fn all_places_of_a_key_must_be_within_what_was_learnt() {
+        let mut model = ready().unwrap().clone();
+        let mut loaded = preset("phantom-size-8mm").unwrap();
+        let other = model.roles.iter().position(|role| *role == Role::Other).unwrap();
+        // 5 mW are within what it was learnt of, as 5 kPa are.
+        model.keys[other] = vec!["led[*].power_mw".into()];
+        assert_eq!(model.suits(&loaded), Ok(()));
+        loaded.scene.led[3].power_mw = Some(50.0);
+        let why = model.suits(&loaded).unwrap_err();
+        assert!(why.contains("led[*].power_mw") && why.ends_with("50"), "{why}");
     }
 }

@@ -1,6 +1,7 @@
 //! Paths to the keys of a scene: `stack.layer["PDMS 1.41"].n`, `led[*].power_mw`,
 //! `phantom.inclusion[0].shape.diameter_mm`.
 
+use serde_json::Value as Json;
 use std::str::FromStr;
 use toml_edit::{Array, ArrayOfTables, InlineTable, Item, TableLike, Value};
 
@@ -110,6 +111,27 @@ impl KeyPath {
         let mut found = Vec::new();
         find(Some(document), &self.steps, String::new(), &mut found);
         found
+    }
+
+    /// The values that the path names in a scene as JSON; none where it leads nowhere.
+    pub fn values_in<'v>(&self, scene: &'v mut Json) -> Vec<&'v mut Json> {
+        values(scene, &self.steps)
+    }
+}
+
+fn values<'v>(value: &'v mut Json, steps: &[Step]) -> Vec<&'v mut Json> {
+    let [step, rest @ ..] = steps else { return vec![value] };
+    match (step, value) {
+        (Step::Key(name), Json::Object(table)) => {
+            table.get_mut(name).map_or_else(Vec::new, |inside| values(inside, rest))
+        }
+        (step, Json::Array(list)) => {
+            let name = |k: usize| Some(list.get(k)?.get("name")?.as_str()?.to_owned());
+            let found = places(step, list.len(), name).unwrap_or_default();
+            let elements = list.iter_mut().enumerate().filter(|(k, _)| found.contains(k));
+            elements.flat_map(|(_, element)| values(element, rest)).collect()
+        }
+        _ => Vec::new(),
     }
 }
 
@@ -279,6 +301,26 @@ mod tests {
         }
         let all = set("led[*].power_mw", 7.0).unwrap();
         assert_eq!(all, SCENE.replace("power_mw = 1", "power_mw = 7").replace("power_mw = 2", "power_mw = 7"));
+    }
+
+    #[test]
+    fn values_are_those_that_setting_changes() {
+        let read = |text: &str| serde_json::to_value(text.parse::<toml::Table>().unwrap()).unwrap();
+        for (path, wanted) in [
+            ("stack.layer[\"PDMS 1.41\"].n", &[1.41][..]),
+            ("stack.layer[*].n", &[1.41, 1.5]),
+            ("led[*].power_mw", &[1.0, 2.0]),
+            ("list.pixels[1]", &[3.0]),
+            ("stack.layer[2].n", &[]),
+            ("stack.layer.n", &[]),
+            ("led[1].power_mw.x", &[]),
+        ] {
+            let mut scene = read(SCENE);
+            let values = path.parse::<KeyPath>().unwrap().values_in(&mut scene);
+            assert_eq!(values.iter().map(|value| value.as_f64().unwrap()).collect::<Vec<_>>(), wanted, "{path}");
+            values.into_iter().for_each(|value| *value = 7.into());
+            assert_eq!(scene, read(&set(path, 7.0).unwrap_or(SCENE.to_owned())), "{path}");
+        }
     }
 
     #[test]
