@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Do the intervals of a sweep's figures hold?
 
-    cargo build --release && python3 benches/sweeps/coverage.py [--seeds 200] [--cases disc phantom null less press]
-        [--program target/release/tirtouch]
+    cargo build --release && python3 benches/sweeps/coverage.py [--seeds 200]
+        [--cases disc phantom null less press effects] [--program target/release/tirtouch]
 
 Renders one scene with many seeds, as a sweep over `render.seed`, and prints for each figure how many intervals hold the
 mean over all seeds, with the interval of Clopper and Pearson, and the claimed over the true spread. `disc` is
@@ -11,7 +11,9 @@ alike: of what saturates in both the truth is that of 256 times the samples. `ph
 `phantom-size-8mm`, `null` the same with an inclusion of the tissue's own material, where the signal of the inclusion is
 to hold 0; `less` has the paper's figures of what the inclusion adds.
 `press` draws as many phantoms at random instead: do intervals of force and peak pressure hold what a mesh of three
-times the resolution gives? Needs scipy.
+times the resolution gives? `effects` and `effects-own` make as many Morris designs of the disc's mean radiance, points
+of a trajectory with random numbers in common or not: do intervals hold the mean over all of them, and the exposure's
+effect, which is none? Needs scipy.
 """
 
 import argparse
@@ -50,6 +52,7 @@ CASES = {
     "null": ("phantom-size-8mm", {**SMALL_PHANTOM, **SAME}, ["snr", "contrast"], 131_072),
     "less": ("phantom-size-8mm", {**SMALL_PHANTOM, "[2.0]": "[4.0]"}, ["paper"], 131_072),
 }
+OTHERS = ["press", "effects", "effects-own"]
 SEEDS = '[[vary]]\nkey = "render.seed"\nlinear = { from = 1, to = POINTS, points = POINTS }\n'
 PHANTOMS = """
 [[vary]]
@@ -70,15 +73,31 @@ uniform = [0.5, 4]
 """
 
 
-def swept(folder, scene, measures, vary, design, program, more=""):
+EFFECTS = """
+[[vary]]
+key = "stack.layer[0].n"
+name = "n_top"
+uniform = [1.405, 1.415]
+[[vary]]
+key = "led[0].height_mm"
+name = "height"
+uniform = [5.95, 6.05]
+[[vary]]
+key = "camera.sensor.exposure_ms"
+name = "exposure"
+uniform = [0.9, 1.0]
+"""
+
+
+def swept(folder, scene, measures, vary, design, program, more="", numbers="own", table="points.csv"):
     folder.mkdir()
     (folder / "scene.toml").write_text(scene)
     measured = "".join(f'[[measure]]\nkind = "{kind}"\n' for kind in measures)
-    head = f'[sweep]\nscene = "scene.toml"\ndesign = {design}\nrandom_numbers = "own"\n{more}'
+    head = f'[sweep]\nscene = "scene.toml"\ndesign = {design}\nrandom_numbers = "{numbers}"\n{more}'
     (folder / "sweep.toml").write_text(head + vary + measured)
     command = [program, "sweep", "run", folder / "sweep.toml", "-o", folder / "out", "--quiet"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    with open(folder / "out/points.csv", newline="") as file:
+    with open(folder / "out" / table, newline="") as file:
         return list(csv.DictReader(file))
 
 
@@ -114,6 +133,33 @@ def press(points, work, program):
         print(f"| {name} | {held} of {len(numbers)} | {ends} | {wide:.2f} | {off:.2f} |", flush=True)
 
 
+def effects(designs, work, program, numbers):
+    """Morris designs of few pixels and paths, whose noise is as large as effects are."""
+    fewer = {"pixels = [384, 288]": "pixels = [16, 12]", "pixel_pitch_um = 16.86": "pixel_pitch_um = 404.64"}
+    small = {**SMALL_DISC, **fewer}
+    scene = f"{changed('contact-disc', small)}\n[render]\nspp = 4\nphotons = 4096\nmap_texel_mm = 1.0\n"
+    all_found = {}
+    for seed in range(designs):
+        design = f'{{ kind = "morris", trajectories = 6, seed = {seed} }}'
+        folder = Path(work) / f"{numbers}-{seed}"
+        found = swept(folder, scene, ["mean_radiance"], EFFECTS, design, program, f"seed = {seed}\n", numbers,
+                      "sensitivity.csv")
+        for row in found:
+            if row["low"]:
+                numbers_of = [float(row[key]) for key in ("value", "low", "high")]
+                all_found.setdefault((row["variable"], row["quantity"]), []).append(numbers_of)
+    print(f"\neffects, {numbers}: {designs} designs of 6 trajectories")
+    print("| variable | quantity | truth | mean | hold it | share, % |\n|---|---|---|---|---|---|")
+    for (variable, quantity), told in all_found.items():
+        # No effect changes its sign here, so that the absolute one is that of the mean, which noise leaves alone.
+        mean = statistics.fmean(value for value, _, _ in all_found[variable, "mean_effect"])
+        truth = 0.0 if variable == "exposure" else abs(mean) if quantity == "mean_absolute_effect" else mean
+        held = sum(low <= truth <= high for _, low, high in told)
+        mean = statistics.fmean(value for value, _, _ in told)
+        counts = f"{held} of {len(told)} | {share(held, len(told))}"
+        print(f"| {variable} | {quantity} | {truth:.3g} | {mean:.3g} | {counts} |", flush=True)
+
+
 def share(held, of):
     """Interval of Clopper and Pearson, percent."""
     ends = [beta.ppf(0.025, held, of - held + 1), beta.ppf(0.975, held + 1, of - held)]
@@ -144,13 +190,15 @@ def judge(case, rows, known):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", type=int, default=200)
-    parser.add_argument("--cases", nargs="+", choices=[*CASES, "press"], default=[*CASES, "press"])
+    parser.add_argument("--cases", nargs="+", choices=[*CASES, *OTHERS], default=[*CASES, *OTHERS])
     parser.add_argument("--program", type=Path, default=PROGRAM)
     wanted = parser.parse_args()
     with tempfile.TemporaryDirectory() as work:
         for case in wanted.cases:
             if case == "press":
                 press(wanted.seeds, work, wanted.program)
+            elif case in OTHERS:
+                effects(wanted.seeds, work, wanted.program, "own" if case == "effects-own" else "common")
             else:
                 # What the inclusion adds is 0 where there is none.
                 known = {"snr": 0.0} if case == "null" else {}

@@ -56,7 +56,7 @@ pub struct Settings {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RandomNumbers {
-    /// All points draw the same.
+    /// All points draw the same; of `morris` and `saltelli` designs those of a trajectory or of a base point.
     #[default]
     Common,
     /// Each point draws its own.

@@ -127,7 +127,7 @@ fn ready(
         Rejected::Point(reason) => Some((State::Rejected, reason)),
         Rejected::Sweep(broken) => Some((State::Rejected, broken.to_string())),
     })?;
-    let order = order(sweep, &loaded);
+    let order = order(sweep, row, &loaded);
     let shelf: &dyn Shelf = if shared.contains(&row) { presses } else { &() };
     if !sweep.needs_light() {
         let pressed = session.press_by(shelf, &loaded, &order, observe).map_err(failed)?;
@@ -147,12 +147,52 @@ fn ready(
 }
 
 /// How a point is traced.
-fn order(sweep: &Sweep, loaded: &LoadedScene) -> Order {
+fn order(sweep: &Sweep, row: usize, loaded: &LoadedScene) -> Order {
     let mut order = Order { sharing: Sharing::Own, ..Order::of(&loaded.scene) };
     let asked = &sweep.file.sweep;
     order.settings.seed = asked.seed.unwrap_or(order.settings.seed);
     order.settings.target_error = asked.target_error.or(order.settings.target_error);
-    // Common to all points, and still other ones for the image without inclusions.
-    order.known_as = (asked.random_numbers == RandomNumbers::Common).then(|| sweep.base.identity().into());
+    // Common to all points, or to those of one trajectory or base point, and still other ones for the image without
+    // inclusions.
+    order.known_as = (asked.random_numbers == RandomNumbers::Common).then(|| {
+        let block = asked.design.block(sweep.plan.free().len()).map(|length| format!(" block {}", row / length));
+        (sweep.base.identity() + &block.unwrap_or_default()).into()
+    });
     order
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn points_have_numbers_in_common_as_far_as_their_differences_are_taken() {
+        let known_as = |design: &str, random_numbers: &str| -> Vec<_> {
+            let vary = |k: usize| format!("[[vary]]\nkey = \"stack.layer[{k}].n\"\nuniform = [1.40, 1.41]\n");
+            let text = format!(
+                "[sweep]\nscene = \"preset:contact-disc\"\ndesign = {design}\nrandom_numbers = \"{random_numbers}\"\n\
+                 {}{}[[measure]]\nkind = \"mean_radiance\"\n",
+                vary(0),
+                vary(1)
+            );
+            let sweep = Sweep::parse(&text, Path::new("sweep.toml")).unwrap();
+            (0..8).map(|row| order(&sweep, row, &sweep.base).known_as).collect()
+        };
+        let blocks = |design: &str| -> Vec<usize> {
+            let names = known_as(design, "common");
+            names.iter().map(|name| names.iter().position(|other| other == name && name.is_some()).unwrap()).collect()
+        };
+        let [sobol, morris, saltelli] = [
+            "{ kind = \"sobol\", points = 8 }",
+            "{ kind = \"morris\", trajectories = 6 }",
+            "{ kind = \"saltelli\", points = 64 }",
+        ];
+        assert_eq!(blocks(sobol), [0; 8]);
+        assert_eq!(blocks(morris), [0, 0, 0, 3, 3, 3, 6, 6]);
+        assert_eq!(blocks(saltelli), [0, 0, 0, 0, 4, 4, 4, 4]);
+        // By their own scenes, then.
+        assert_eq!(known_as(morris, "own"), vec![None; 8]);
+    }
 }

@@ -5,6 +5,9 @@ use crate::output::Records;
 use crate::vary::Design;
 use crate::vary::sensitivity::{Effects, Indices, effects, indices};
 
+/// Standard deviations in half of a 95 % interval.
+const NORMAL: f64 = 1.959_964;
+
 /// What a design says of one figure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Sensitivity {
@@ -33,29 +36,33 @@ impl Sweep {
     /// at all points.
     pub fn sensitivity(&self, records: &Records) -> Vec<(&'static str, Result<Sensitivity, String>)> {
         let columns: Vec<&'static str> = self.columns().collect();
-        let mut figures = vec![Vec::with_capacity(self.plan.count()); columns.len()];
+        // Of each figure its values, and the standard deviations that their intervals claim.
+        let mut figures = vec![[const { Vec::new() }; 2]; columns.len()];
         let mut missing = vec![None; columns.len()];
         for row in 0..self.plan.count() {
             let record = self.record(records, row).filter(|record| record.status == State::Done);
             let values = record.map(|record| record.figures).unwrap_or_default();
-            for (k, (figures, missing)) in figures.iter_mut().zip(&mut missing).enumerate() {
-                match values.get(k).and_then(|told| told.value) {
-                    Some(value) => figures.push(value),
-                    None => *missing = missing.or(Some(row)),
+            for (k, ([figures, noise], missing)) in figures.iter_mut().zip(&mut missing).enumerate() {
+                match values.get(k).map(|told| (told.value, told.low.zip(told.high))) {
+                    Some((Some(value), ends)) => {
+                        figures.push(value);
+                        noise.push(ends.map_or(0.0, |(low, high)| (high - low) / (2.0 * NORMAL)));
+                    }
+                    _ => *missing = missing.or(Some(row)),
                 }
             }
         }
         let free = self.plan.free().len();
-        let of = |(figures, missing): (&Vec<f64>, &Option<usize>)| {
+        let of = |([figures, noise], missing): (&[Vec<f64>; 2], &Option<usize>)| {
             if let Some(row) = missing {
                 return Err(format!("the design is not complete: point {row} has no such figure"));
             }
             match self.file.sweep.design {
                 Design::Morris { .. } => {
                     let units: Vec<Vec<f64>> = (0..self.plan.count()).map(|row| self.plan.unit(row)).collect();
-                    effects(free, &units, figures).map(Sensitivity::Effects)
+                    effects(free, &units, figures, noise).map(Sensitivity::Effects)
                 }
-                Design::Saltelli { .. } => indices(free, figures).map(Sensitivity::Indices),
+                Design::Saltelli { .. } => indices(free, figures, noise).map(Sensitivity::Indices),
                 _ => Err("its design is not one of sensitivity".into()),
             }
         };

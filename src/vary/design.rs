@@ -124,6 +124,16 @@ fn sobol(row: u32, dimension: u32, seed: u32) -> f64 {
 }
 
 impl Design {
+    /// How many rows belong together where so many variables are drawn: those of a trajectory, or of a base point. None
+    /// where each stands by itself.
+    pub fn block(&self, variables: usize) -> Option<usize> {
+        match self {
+            Self::Morris { .. } => Some(variables + 1),
+            Self::Saltelli { .. } => Some(variables + 2),
+            _ => None,
+        }
+    }
+
     /// Points of the unit cube of so many dimensions, and how many; lists have these lengths in a grid.
     pub(super) fn units(&self, lists: &[usize]) -> Result<(Units, usize), String> {
         let dimensions = lists.len() as u32;

@@ -4,10 +4,17 @@
 //! Software 22(10), 2007. First indices by Saltelli et al., Computer Physics Communications 181(2), 2010, total ones by
 //! Jansen, Computer Physics Communications 117, 1999. Intervals of effects are those of a mean of independent
 //! trajectories, of indices by resampling of base points: too narrow by far where these are few, so that few have none.
+//!
+//! Figures have noise. With e an effect and s the standard deviation of its noise, E |e + noise| lies between |e| and
+//! |e| + s sqrt(2 / pi), and above the absolute mean. In the mean of squares behind a total index noise of variance v
+//! adds up to 2 v, in the product behind a first one up to v either way, and v in the variance itself. What the figures
+//! of a trajectory or of a base point have of it in common cancels, how much is not known: intervals allow for none and
+//! for all.
 
 use crate::camera::noise::PixelRandom;
 use crate::film::MeanError;
 use serde::Serialize;
+use std::f64::consts::FRAC_2_PI;
 
 /// Resamples behind an interval.
 const RESAMPLES: u32 = 1000;
@@ -48,6 +55,7 @@ const CONSTANT: &str = "the figure is the same at all points";
 /// Fewest trajectories and base points whose intervals hold.
 pub(super) const TRAJECTORIES: u32 = 6;
 pub(super) const BASE_POINTS: u32 = 64;
+const NOISY: &str = "the figures' own errors are as large as all that varies: trace them to a smaller one";
 const FEW: &str = "so few trajectories or base points do not say how far off they are: at least 6, or 64";
 
 /// The 95 % interval of a statistic of `count` items, by resampling them.
@@ -72,60 +80,63 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
     values.clone().sum::<f64>() / values.count().max(1) as f64
 }
 
-/// Effects of each of `variables` variables from the figures of a Morris design, row after row. `moved(row)` is the
-/// variable that the step to a row changed.
+/// Effects of each of `variables` variables from the figures of a Morris design, row after row, and the standard
+/// deviations of their noise. Trajectories have no noise in common.
 ///
 /// # Errors
 /// Figures that are not those of a complete design.
-pub fn effects(variables: usize, units: &[Vec<f64>], figures: &[f64]) -> Result<Vec<Effects>, String> {
+pub fn effects(variables: usize, units: &[Vec<f64>], figures: &[f64], noise: &[f64]) -> Result<Vec<Effects>, String> {
     let length = variables + 1;
-    if figures.len() != units.len() || figures.is_empty() || !figures.len().is_multiple_of(length) {
+    if [units.len(), noise.len()] != [figures.len(); 2] || figures.is_empty() || !figures.len().is_multiple_of(length) {
         return Err(format!("{} figures are not those of a complete design of {}", figures.len(), units.len()));
     }
     if figures.len() < TRAJECTORIES as usize * length {
         return Err(FEW.into());
     }
-    // Of each trajectory one effect a variable: the change of the figure as the variable goes up.
-    let of_trajectory = |(units, figures): (&[Vec<f64>], &[f64])| {
-        let mut effects = vec![0.0; variables];
-        for k in 1..length {
+    // Of each trajectory one effect a variable, with its noise: the change of the figure as the variable goes up.
+    let of_trajectory = |first: usize| {
+        let mut effects = vec![[0.0; 2]; variables];
+        for row in first + 1..first + length {
             for (variable, effect) in effects.iter_mut().enumerate() {
-                let step = units[k][variable] - units[k - 1][variable];
+                let step = units[row][variable] - units[row - 1][variable];
                 if step != 0.0 {
-                    *effect = (figures[k] - figures[k - 1]) * step.signum();
+                    *effect = [(figures[row] - figures[row - 1]) * step.signum(), noise[row].hypot(noise[row - 1])];
                 }
             }
         }
         effects
     };
-    let effects: Vec<Vec<f64>> = units.chunks(length).zip(figures.chunks(length)).map(of_trajectory).collect();
+    let effects: Vec<Vec<[f64; 2]>> = (0..figures.len()).step_by(length).map(of_trajectory).collect();
     let of = |variable: usize| {
         let mean_of = |of: fn(f64) -> f64| {
-            let values = || effects.iter().map(|one| of(one[variable]));
+            let values = || effects.iter().map(|one| of(one[variable][0]));
             let (value, share) = (mean(values()), 1.0 / effects.len() as f64);
             let [low, high] = MeanError::of_groups(values().map(|effect| (share, effect - value))).interval();
             // No minus before a 0.
             let [value, low, high] = [value, value + low, value + high].map(|figure| figure + 0.0);
             Interval { value, low, high }
         };
-        let (mean, absolute) = (mean_of(|effect| effect), mean_of(f64::abs));
-        let squares: f64 = effects.iter().map(|one| (one[variable] - mean.value).powi(2)).sum();
+        let (signed, absolute) = (mean_of(|effect| effect), mean_of(f64::abs));
+        let squares: f64 = effects.iter().map(|one| (one[variable][0] - signed.value).powi(2)).sum();
+        let noise = mean(effects.iter().map(|one| one[variable][1]));
+        let least = (absolute.low - FRAC_2_PI.sqrt() * noise).max(signed.low).max(-signed.high).max(0.0);
         Effects {
-            mean_absolute: Interval { low: absolute.low.max(0.0), ..absolute },
-            mean,
+            mean_absolute: Interval { low: least.min(absolute.low.max(0.0)), ..absolute },
+            mean: signed,
             spread: (squares / (effects.len().max(2) - 1) as f64).sqrt(),
         }
     };
     Ok((0..variables).map(of).collect())
 }
 
-/// Indices of each of `variables` variables from the figures of a Saltelli design, row after row.
+/// Indices of each of `variables` variables from the figures of a Saltelli design, row after row, and the standard
+/// deviations of their noise. Base points have no noise in common.
 ///
 /// # Errors
-/// Figures that are not those of a complete design, or all the same.
-pub fn indices(variables: usize, figures: &[f64]) -> Result<Vec<Indices>, String> {
+/// Figures that are not those of a complete design, all the same, or noise alone.
+pub fn indices(variables: usize, figures: &[f64], noise: &[f64]) -> Result<Vec<Indices>, String> {
     let length = variables + 2;
-    if figures.is_empty() || !figures.len().is_multiple_of(length) {
+    if noise.len() != figures.len() || figures.is_empty() || !figures.len().is_multiple_of(length) {
         return Err(format!("{} figures are not those of a complete design", figures.len()));
     }
     if figures.len() < BASE_POINTS as usize * length {
@@ -139,9 +150,19 @@ pub fn indices(variables: usize, figures: &[f64]) -> Result<Vec<Indices>, String
     };
     let all: Vec<usize> = (0..blocks.len()).collect();
     let largest = figures.iter().fold(0.0, |largest: f64, figure| largest.max(figure.abs()));
-    if variance(&all).sqrt() <= 1e-12 * largest {
+    let whole = variance(&all);
+    if whole.sqrt() <= 1e-12 * largest {
         return Err(CONSTANT.into());
     }
+    let noise = mean(noise.chunks(length).flat_map(|block| [block[0].powi(2), block[length - 1].powi(2)])) / whole;
+    if noise >= 1.0 {
+        return Err(NOISY.into());
+    }
+    let widened = |one: Interval, up: f64| Interval {
+        low: one.low.min((one.low - noise) / (1.0 - noise)),
+        high: one.high.max((one.high + up) / (1.0 - noise)),
+        ..one
+    };
     let of = |variable: usize| {
         let seed = variable as u32;
         // Against the mean, so that a large constant does not drown what varies.
@@ -157,7 +178,9 @@ pub fn indices(variables: usize, figures: &[f64]) -> Result<Vec<Indices>, String
             let square = |&k: &usize| (blocks[k][0] - blocks[k][variable + 1]).powi(2);
             mean(drawn.iter().map(square)) / (2.0 * variance(drawn))
         };
-        Indices { first: interval(blocks.len(), seed, first), total: interval(blocks.len(), seed, total) }
+        let (first, total) = (interval(blocks.len(), seed, first), interval(blocks.len(), seed, total));
+        let total = widened(total, 0.0);
+        Indices { first: widened(first, noise), total: Interval { low: total.low.max(0.0), ..total } }
     };
     Ok((0..variables).map(of).collect())
 }
@@ -196,17 +219,17 @@ mod tests {
     fn found(seed: u32, points_: u32, constant: f64) -> Vec<Indices> {
         let points = points(&Design::Saltelli { points: points_, seed }, 3, [-PI, PI]);
         let figures: Vec<f64> = points.iter().map(|x| constant + ishigami(x)).collect();
-        indices(3, &figures).unwrap()
+        indices(3, &figures, &vec![0.0; figures.len()]).unwrap()
     }
 
     #[test]
     fn few_trajectories_or_base_points_have_no_interval() {
         let figures: Vec<f64> = (0..192).map(f64::from).collect();
-        assert_eq!(indices(1, &figures[..189]).unwrap_err(), FEW);
-        assert!(indices(1, &figures).is_ok());
+        assert_eq!(indices(1, &figures[..189], &[0.0; 189]).unwrap_err(), FEW);
+        assert!(indices(1, &figures, &[0.0; 192]).is_ok());
         let units: Vec<_> = (0..12).map(|k| vec![0.5 * f64::from(k % 2)]).collect();
-        assert_eq!(effects(1, &units[..10], &figures[..10]).unwrap_err(), FEW);
-        assert!(effects(1, &units, &figures[..12]).is_ok());
+        assert_eq!(effects(1, &units[..10], &figures[..10], &[0.0; 10]).unwrap_err(), FEW);
+        assert!(effects(1, &units, &figures[..12], &[0.0; 12]).is_ok());
     }
 
     /// Of x0 x1 the effect of x0 over half of its range, 2, is 2 x1: 6 on average, by levels from 1 to 5.
@@ -216,13 +239,71 @@ mod tests {
             let held = (0..400).filter(|&seed| {
                 let points = points(&Design::Morris { trajectories, seed }, 2, [1.0, 5.0]);
                 let figures: Vec<f64> = points.iter().map(|x| x[0] * x[1]).collect();
-                let found = effects(2, &points, &figures).unwrap()[0];
+                let found = effects(2, &points, &figures, &vec![0.0; points.len()]).unwrap()[0];
                 [found.mean, found.mean_absolute].iter().all(|interval| (interval.low..=interval.high).contains(&6.0))
             });
             // 380 and three standard deviations; resampling holds means of 4 and of 8 such values in 80 and 90 of 100.
             let held = held.count();
             assert!(held >= 367, "{trajectories}: {held} of 400");
         }
+    }
+
+    /// Values with normal noise of a standard deviation; points of a block of so many have a share of it in common.
+    fn noisy(values: impl Iterator<Item = f64>, deviation: f64, seed: u32, block: usize, common: f64) -> Vec<f64> {
+        let mut own = PixelRandom::new(seed, 1);
+        let noise_of = |(row, value): (usize, f64)| {
+            let shared = PixelRandom::new(seed, 2 + (row / block) as u32).normal();
+            value + deviation * (common.sqrt() * shared + (1.0 - common).sqrt() * own.normal())
+        };
+        values.enumerate().map(noise_of).collect()
+    }
+
+    /// The function x0 + 0 x1 + 0.3 x2 (x0 - 3): of x1 there is nothing to find, of x2 effects of either sign.
+    #[test]
+    fn effects_hold_what_there_is_behind_noise() {
+        const DEVIATION: f64 = 0.5;
+        let of = |x: &Vec<f64>| x[0] + 0.3 * x[2] * (x[0] - 3.0);
+        let design = |seed| Design::Morris { trajectories: 8, seed };
+        // Over half of a range of 4: of x2 at the levels 1.5, 2.5, 3.5 and 4.5 of x0.
+        let truth = [0.0, 2.0 * 0.3 * (1.5 + 0.5) / 2.0];
+        for common in [0.0, 0.8] {
+            let (mut held, mut without) = ([0; 2], 0);
+            for seed in 0..400 {
+                let points = points(&design(seed), 3, [1.0, 5.0]);
+                let figures = noisy(points.iter().map(of), DEVIATION, seed, 4, common);
+                let found = |noise| effects(3, &points, &figures, &vec![noise; points.len()]).unwrap();
+                let holds = |one: &Effects, truth| (one.mean_absolute.low..=one.mean_absolute.high).contains(&truth);
+                let told = found(DEVIATION);
+                held[0] += u32::from(holds(&told[1], truth[0]));
+                held[1] += u32::from(holds(&told[2], truth[1]));
+                without += u32::from(holds(&found(0.0)[1], truth[0]));
+            }
+            assert!(held.iter().all(|&held| held >= 367), "{common}: {held:?} of 400");
+            assert!(without < 300, "noise that is not told: {without} of 400 hold");
+        }
+    }
+
+    #[test]
+    fn indices_hold_what_there_is_behind_noise() {
+        const DEVIATION: f64 = 0.3;
+        for common in [0.0, 0.8] {
+            let (mut held, mut without) = ([0; 4], 0);
+            for seed in 0..100 {
+                let points = points(&Design::Saltelli { points: 64, seed }, 2, [-3.0f64.sqrt(), 3.0f64.sqrt()]);
+                let figures = noisy(points.iter().map(|x| x[0]), DEVIATION, seed, 4, common);
+                let found = |noise| indices(2, &figures, &vec![noise; points.len()]).unwrap();
+                let told = found(DEVIATION);
+                let of = |one: &Indices| [one.first, one.total];
+                for (k, (one, truth)) in told.iter().flat_map(of).zip([1.0, 1.0, 0.0, 0.0]).enumerate() {
+                    held[k] += u32::from((one.low..=one.high).contains(&truth));
+                }
+                without += u32::from(found(0.0)[1].total.low <= 0.0);
+            }
+            assert!(held.iter().all(|&held| held >= 88), "{common}: {held:?} of 100");
+            assert_eq!(without, 0, "noise that is not told");
+        }
+        let noise = noisy((0..256).map(|_| 0.0), 1.0, 1, 4, 0.0);
+        assert_eq!(indices(2, &noise, &[1.3; 256]).unwrap_err(), NOISY);
     }
 
     #[test]
@@ -256,7 +337,7 @@ mod tests {
         // The block that swaps the second variable computed with the first one's.
         figures.chunks_mut(5).for_each(|block| block[2] = block[1]);
         let [_, [first, _], _] = exact();
-        let found = indices(3, &figures).unwrap()[1];
+        let found = indices(3, &figures, &vec![0.0; figures.len()]).unwrap()[1];
         assert!(found.first.high < first - 0.05 || found.first.low > first + 0.05, "{found:?}");
     }
 
@@ -268,21 +349,23 @@ mod tests {
         let figures: Vec<f64> =
             points.iter().map(|x| 7.0 + x.iter().zip(slopes).map(|(x, a)| a * x).sum::<f64>()).collect();
         // Over half of the range: 2.
-        for (found, slope) in effects(4, &points, &figures).unwrap().iter().zip(slopes) {
+        for (found, slope) in effects(4, &points, &figures, &[0.0; 60]).unwrap().iter().zip(slopes) {
             assert!((found.mean.value - 2.0 * slope).abs() < 1e-12 && found.spread < 1e-12, "{found:?}");
             assert!((found.mean_absolute.value - 2.0 * slope.abs()).abs() < 1e-12);
             assert!((found.mean.high - found.mean.low).abs() < 1e-12);
         }
         // One that bends has a spread.
         let bent: Vec<f64> = points.iter().map(|x| x[0] * x[1]).collect();
-        assert!(effects(4, &points, &bent).unwrap()[0].spread > 0.5);
+        assert!(effects(4, &points, &bent, &[0.0; 60]).unwrap()[0].spread > 0.5);
     }
 
     #[test]
     fn what_is_not_whole_or_does_not_vary_has_no_indices() {
-        assert!(indices(3, &[1.0; 9]).unwrap_err().contains("complete design"));
-        assert!(indices(3, &[]).is_err());
-        assert_eq!(indices(3, &[2.0; 320]).unwrap_err(), CONSTANT);
-        assert!(effects(2, &[vec![0.0; 2], vec![0.0; 2]], &[1.0, 2.0]).unwrap_err().contains("complete design"));
+        assert!(indices(3, &[1.0; 9], &[0.0; 9]).unwrap_err().contains("complete design"));
+        assert!(indices(3, &[], &[]).is_err());
+        assert_eq!(indices(3, &[2.0; 320], &[0.0; 320]).unwrap_err(), CONSTANT);
+        assert!(
+            effects(2, &[vec![0.0; 2], vec![0.0; 2]], &[1.0, 2.0], &[0.0; 2]).unwrap_err().contains("complete design")
+        );
     }
 }

@@ -146,7 +146,9 @@ fn sensitivity(sweep: &Sweep, records: &Records) -> Result<Section, PageError> {
                 continue;
             }
             Ok(Sensitivity::Effects(all)) => (
-                format!("{figure_name}: elementary effects over half of each range (95 % by resampling)"),
+                format!(
+                    "{figure_name}: elementary effects over half of each range (95 % over trajectories, with noise)"
+                ),
                 vec!["variable", "mean of absolute effects", "mean", "spread"],
                 (all.iter().zip(&names))
                     .map(|(one, name)| {
@@ -155,7 +157,7 @@ fn sensitivity(sweep: &Sweep, records: &Records) -> Result<Section, PageError> {
                     .collect(),
             ),
             Ok(Sensitivity::Indices(all)) => (
-                format!("{figure_name}: shares of its variance (95 % by resampling)"),
+                format!("{figure_name}: shares of its variance (95 % by resampling, with noise)"),
                 vec!["variable", "alone", "with all others"],
                 (all.iter().zip(&names))
                     .map(|(one, name)| vec![(*name).to_owned(), within(&one.first), within(&one.total)])
