@@ -71,8 +71,6 @@ uniform = [3, 10]
 key = "press.depths_mm[0]"
 uniform = [0.5, 4]
 """
-
-
 EFFECTS = """
 [[vary]]
 key = "stack.layer[0].n"
@@ -146,12 +144,12 @@ def effects(designs, work, program, numbers):
                       "sensitivity.csv")
         for row in found:
             if row["low"]:
-                numbers_of = [float(row[key]) for key in ("value", "low", "high")]
-                all_found.setdefault((row["variable"], row["quantity"]), []).append(numbers_of)
+                told = [float(row[key]) for key in ("value", "low", "high")]
+                all_found.setdefault((row["variable"], row["quantity"]), []).append(told)
     print(f"\neffects, {numbers}: {designs} designs of 6 trajectories")
     print("| variable | quantity | truth | mean | hold it | share, % |\n|---|---|---|---|---|---|")
     for (variable, quantity), told in all_found.items():
-        # No effect changes its sign here, so that the absolute one is that of the mean, which noise leaves alone.
+        # Over so small ranges no effect changes its sign: the absolute one is that of the mean, which noise leaves alone.
         mean = statistics.fmean(value for value, _, _ in all_found[variable, "mean_effect"])
         truth = 0.0 if variable == "exposure" else abs(mean) if quantity == "mean_absolute_effect" else mean
         held = sum(low <= truth <= high for _, low, high in told)
