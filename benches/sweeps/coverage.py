@@ -149,7 +149,7 @@ def effects(designs, work, program, numbers):
     print(f"\neffects, {numbers}: {designs} designs of 6 trajectories")
     print("| variable | quantity | truth | mean | hold it | share, % |\n|---|---|---|---|---|---|")
     for (variable, quantity), told in all_found.items():
-        # Over so small ranges no effect changes its sign: the absolute one is that of the mean, which noise leaves alone.
+        # Over so small ranges no effect changes its sign: the absolute one is that of the mean, which has no bias.
         mean = statistics.fmean(value for value, _, _ in all_found[variable, "mean_effect"])
         truth = 0.0 if variable == "exposure" else abs(mean) if quantity == "mean_absolute_effect" else mean
         held = sum(low <= truth <= high for _, low, high in told)

@@ -80,7 +80,8 @@ mod tests {
     use std::f64::consts::PI;
     use std::path::Path;
 
-    /// A sweep of three variables from -pi to pi whose points are all done, with a function of them as the figure.
+    /// A sweep of three variables from -pi to pi whose points are all done, with a function of them as two figures, the
+    /// second by its interval known to a standard deviation of 1.
     fn done(folder: &Path, design: &str, function: impl Fn(&[f64]) -> f64) -> (Sweep, Records) {
         let vary: String = (0..3)
             .map(|k| format!("[[vary]]\nname = \"x{k}\"\nkey = \"stack.layer[{k}].n\"\nuniform = [-{PI}, {PI}]\n"))
@@ -94,13 +95,16 @@ mod tests {
         for row in 0..sweep.plan.count() {
             let values = sweep.plan.values(row);
             let x: Vec<f64> = values.iter().map(|value| value.number().unwrap()).collect();
+            let value = function(&x);
+            let exact = Told { value: Some(value), ..Told::default() };
+            let noisy = Told { low: Some(value - NORMAL), high: Some(value + NORMAL), ..exact.clone() };
             let record = Record {
                 row,
                 status: State::Done,
                 reason: None,
                 scene_sha256: None,
                 values,
-                figures: vec![Told { value: Some(function(&x)), ..Told::default() }; 2],
+                figures: vec![exact, noisy],
                 traced: None,
                 images: Vec::new(),
                 version: String::new(),
@@ -123,6 +127,13 @@ mod tests {
         for (found, [first, total]) in indices.iter().zip([[0.3139, 0.5576], [0.4424, 0.4424], [0.0, 0.2437]]) {
             assert!((found.first.value - first).abs() < 0.06, "{found:?} {first}");
             assert!((found.total.value - total).abs() < 0.06, "{found:?} {total}");
+        }
+        // Ends are further out where figures have noise; the variance is 13.84.
+        let Ok(Sensitivity::Indices(noisy)) = &found[1].1 else { panic!("{found:?}") };
+        for (exact, noisy) in indices.iter().zip(noisy) {
+            let further = noisy.total.high / exact.total.high * (1.0 - 1.0 / 13.84);
+            assert!((further - 1.0).abs() < 0.01, "{exact:?} {noisy:?}");
+            assert!(noisy.first.low < exact.first.low - 0.03 && noisy.total.low < exact.total.low, "{noisy:?}");
         }
         // One point less, and nothing is said.
         std::fs::remove_file(place.path().join("out/items/0000007.json")).unwrap();
