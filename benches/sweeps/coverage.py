@@ -2,7 +2,7 @@
 """Do the intervals of a sweep's figures hold?
 
     cargo build --release && python3 benches/sweeps/coverage.py [--seeds 200]
-        [--cases disc phantom null less press effects] [--program target/release/tirtouch]
+        [--cases disc phantom null less press effects indices] [--program target/release/tirtouch]
 
 Renders one scene with many seeds, as a sweep over `render.seed`, and prints for each figure how many intervals hold the
 mean over all seeds, with the interval of Clopper and Pearson, and the claimed over the true spread. `disc` is
@@ -13,7 +13,9 @@ to hold 0; `less` has the paper's figures of what the inclusion adds.
 `press` draws as many phantoms at random instead: do intervals of force and peak pressure hold what a mesh of three
 times the resolution gives? `effects` and `effects-own` make as many Morris designs of the disc's mean radiance, points
 of a trajectory with random numbers in common or not: do intervals hold the mean over all of them, and the exposure's
-effect, which is none? Needs scipy.
+effect, which is none? `indices` and `indices-own` do so with Saltelli designs: do intervals hold what Sobol's indices
+are by a quadrature of converged renders? And where nothing is varied that the radiance feels, how many designs tell of
+an index above 0? Needs numpy and scipy.
 """
 
 import argparse
@@ -23,6 +25,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from cases import PROGRAM, changed
 from scipy.stats import beta
 
@@ -52,7 +55,7 @@ CASES = {
     "null": ("phantom-size-8mm", {**SMALL_PHANTOM, **SAME}, ["snr", "contrast"], 131_072),
     "less": ("phantom-size-8mm", {**SMALL_PHANTOM, "[2.0]": "[4.0]"}, ["paper"], 131_072),
 }
-OTHERS = ["press", "effects", "effects-own"]
+OTHERS = ["press", "effects", "effects-own", "indices", "indices-own"]
 SEEDS = '[[vary]]\nkey = "render.seed"\nlinear = { from = 1, to = POINTS, points = POINTS }\n'
 PHANTOMS = """
 [[vary]]
@@ -85,6 +88,17 @@ key = "camera.sensor.exposure_ms"
 name = "exposure"
 uniform = [0.9, 1.0]
 """
+EXPOSURE = EFFECTS[EFFECTS.rindex("[[vary]]") :]
+INDICES = f"""
+[[vary]]
+key = "stack.layer[0].n"
+name = "n_top"
+uniform = [1.38, 1.42]
+[[vary]]
+key = "led[*].radiance_w_per_m2_sr"
+name = "power"
+uniform = [0.9, 1.1]
+{EXPOSURE}"""
 
 
 def swept(folder, scene, measures, vary, design, program, more="", numbers="own", table="points.csv"):
@@ -131,31 +145,81 @@ def press(points, work, program):
         print(f"| {name} | {held} of {len(numbers)} | {ends} | {wide:.2f} | {off:.2f} |", flush=True)
 
 
-def effects(designs, work, program, numbers):
-    """Morris designs of few pixels and paths, whose noise is as large as effects are."""
+def tiny(spp, photons):
+    """The disc in few pixels by few paths, whose noise is as large as effects are."""
     fewer = {"pixels = [384, 288]": "pixels = [16, 12]", "pixel_pitch_um = 16.86": "pixel_pitch_um = 404.64"}
     small = {**SMALL_DISC, **fewer}
-    scene = f"{changed('contact-disc', small)}\n[render]\nspp = 4\nphotons = 4096\nmap_texel_mm = 1.0\n"
-    all_found = {}
+    return f"{changed('contact-disc', small)}\n[render]\nspp = {spp}\nphotons = {photons}\nmap_texel_mm = 1.0\n"
+
+
+def sensitivities(name, design, vary, designs, work, program, numbers):
+    """What so many designs tell of each variable and quantity, with both ends; how many of them refuse to."""
+    all_found, refused = {}, 0
     for seed in range(designs):
-        design = f'{{ kind = "morris", trajectories = 6, seed = {seed} }}'
-        folder = Path(work) / f"{numbers}-{seed}"
-        found = swept(folder, scene, ["mean_radiance"], EFFECTS, design, program, f"seed = {seed}\n", numbers,
+        seeded = f"{{ {design}, seed = {seed} }}"
+        folder = Path(work) / f"{name}-{numbers}-{seed}"
+        found = swept(folder, tiny(4, 4096), ["mean_radiance"], vary, seeded, program, f"seed = {seed}\n", numbers,
                       "sensitivity.csv")
+        refused += not found[0]["variable"]
         for row in found:
             if row["low"]:
                 told = [float(row[key]) for key in ("value", "low", "high")]
                 all_found.setdefault((row["variable"], row["quantity"]), []).append(told)
-    print(f"\neffects, {numbers}: {designs} designs of 6 trajectories")
+    return all_found, refused
+
+
+def print_held(all_found, truths):
+    """A row a variable and quantity."""
     print("| variable | quantity | truth | mean | hold it | share, % |\n|---|---|---|---|---|---|")
-    for (variable, quantity), told in all_found.items():
-        # Over so small ranges no effect changes its sign: the absolute one is that of the mean, which has no bias.
-        mean = statistics.fmean(value for value, _, _ in all_found[variable, "mean_effect"])
-        truth = 0.0 if variable == "exposure" else abs(mean) if quantity == "mean_absolute_effect" else mean
+    for what, told in all_found.items():
+        truth = truths[what]
         held = sum(low <= truth <= high for _, low, high in told)
         mean = statistics.fmean(value for value, _, _ in told)
         counts = f"{held} of {len(told)} | {share(held, len(told))}"
-        print(f"| {variable} | {quantity} | {truth:.3g} | {mean:.3g} | {counts} |", flush=True)
+        print(f"| {what[0]} | {what[1]} | {truth:.3g} | {mean:.3g} | {counts} |", flush=True)
+
+
+def effects(designs, work, program, numbers):
+    """Morris designs of few pixels and paths."""
+    design = 'kind = "morris", trajectories = 6'
+    all_found, _ = sensitivities("effects", design, EFFECTS, designs, work, program, numbers)
+    print(f"\neffects, {numbers}: {designs} designs of 6 trajectories")
+    truths = {}
+    for variable, quantity in all_found:
+        # Over so small ranges no effect changes its sign: the absolute one is that of the mean, which has no bias.
+        mean = statistics.fmean(value for value, _, _ in all_found[variable, "mean_effect"])
+        mean = 0.0 if variable == "exposure" else mean
+        truths[variable, quantity] = abs(mean) if quantity == "mean_absolute_effect" else mean
+    print_held(all_found, truths)
+
+
+def quadrature(work, program):
+    """Sobol's indices of index and power from converged renders at Gauss' nodes."""
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    vary = INDICES[: INDICES.index(EXPOSURE)]
+    for low, high in ((1.38, 1.42), (0.9, 1.1)):
+        values = (low + (high - low) * (1.0 + nodes) / 2.0).tolist()
+        vary = vary.replace(f"uniform = [{low}, {high}]", f"values = {values}")
+    rows = swept(Path(work) / "truth", tiny(4096, 1 << 22), ["mean_radiance"], vary, '{ kind = "grid" }', program)
+    figures = np.array([float(row["mean_radiance_w_m2_sr"]) for row in rows]).reshape(4, 4)
+    weights = weights / 2.0
+    mean = weights @ figures @ weights
+    whole = weights @ (figures - mean) ** 2 @ weights
+    index, power = (weights @ (means - mean) ** 2 / whole for means in (figures @ weights, weights @ figures))
+    return {("n_top", "first_index"): index, ("n_top", "total_index"): 1.0 - power,
+            ("power", "first_index"): power, ("power", "total_index"): 1.0 - index,
+            ("exposure", "first_index"): 0.0, ("exposure", "total_index"): 0.0}
+
+
+def indices(designs, work, program, numbers):
+    """Saltelli designs of few pixels and paths; and such where nothing is varied that the radiance feels."""
+    design = 'kind = "saltelli", points = 64'
+    all_found, refused = sensitivities("indices", design, INDICES, designs, work, program, numbers)
+    print(f"\nindices, {numbers}: {designs} designs of 64 base points, {refused} refused")
+    print_held(all_found, quadrature(work, program))
+    all_found, refused = sensitivities("nothing", design, EXPOSURE, designs, work, program, numbers)
+    false = sum(low > 0.0 for told in all_found.values() for _, low, _ in told)
+    print(f"nothing varied that is felt: {refused} of {designs} refused, {false} intervals above 0")
 
 
 def share(held, of):
@@ -196,7 +260,8 @@ def main():
             if case == "press":
                 press(wanted.seeds, work, wanted.program)
             elif case in OTHERS:
-                effects(wanted.seeds, work, wanted.program, "own" if case == "effects-own" else "common")
+                judged = effects if case.startswith("effects") else indices
+                judged(wanted.seeds, work, wanted.program, "own" if case.endswith("-own") else "common")
             else:
                 # What the inclusion adds is 0 where there is none.
                 known = {"snr": 0.0} if case == "null" else {}
