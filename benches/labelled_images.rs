@@ -5,12 +5,12 @@
 //!         [--error 0.01] [--sweep] [--estimate] [--alone FOLDER] [--program target/release/tirtouch]
 //!
 //! Draws spheres of 4 to 14 mm and 20 to 150 kPa, their tops 3 to 10 mm deep as far as they fit, in the phantom of
-//! `phantom-size-8mm`; each is pressed by 1, 2 and 4 mm, and its image at 4 mm is traced to the error asked for, a share
-//! of a pixel's radiance, and exposed. One thread presses the next phantom, from the last one, while this one is
-//! traced. With `--alone` the scenes are written to a folder, and each is pressed from rest once the one before
-//! is traced, with its number as its seed, and is traced to the error: a plain loop, which labelled_images.py times
-//! from Python. With `--sweep` the phantom stays and the index of the touched layer changes. Presses estimate their
-//! errors with `--estimate`.
+//! `phantom-size-8mm`; each is pressed by 1, 2 and 4 mm, and its image at 4 mm is traced to the error asked for, a
+//! share of a pixel's radiance, and exposed. One thread presses the next phantom, from the last one, while this one is
+//! traced. With `--alone` the scenes are written to a folder, and each is pressed from rest once the one before is
+//! traced, with its number as its seed, and is traced to the error: a plain loop, which labelled_images.py times from
+//! Python. With `--sweep` the phantom stays and the index of the touched layer changes. Presses estimate their errors
+//! with `--estimate`.
 //!
 //! Prints the label, the sum of grey levels and the seconds of each image, and images a minute; with `--program` also
 //! those of that program, a command for each image of the same scenes. The variable makes Mesa's llvmpipe work as

@@ -4,8 +4,8 @@
 //!                                                  [--edge-mm R] [--sibling]
 //!
 //! Memory is the most that the process held (Linux). Runs one press and prints one row of a table. With `--sibling` the
-//! scene, a body of revolution, is pressed in two dimensions too, on elements of half the size, and rows say by how much
-//! force and pressure in rings differ.
+//! scene, a body of revolution, is pressed in two dimensions too, on elements of half the size, and rows say by how
+//! much force and pressure in rings differ.
 
 use anyhow::{Context as _, Result};
 use clap::{Parser, ValueEnum};

@@ -5,7 +5,8 @@
 //!               scene   mechanics   surface    trace   camera   estimate   report
 //! ```
 //!
-//! One folder a stage, in the order of the data; a stage imports only earlier ones. [`pipeline`] goes through all of them:
+//! One folder a stage, in the order of the data; a stage imports only earlier ones. [`pipeline`] goes through all of
+//! them:
 //!
 //! ```
 //! use tirtouch::pipeline::{Order, ReadAs, Session};

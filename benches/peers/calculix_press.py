@@ -21,8 +21,8 @@ import calculix_deck as ccx
 RADIUS, HEIGHT, PLATE, BALL, TOP_DEPTH = 30.0, 25.0, 15.0, 4.0, 5.0
 YOUNG_KPA = {"TISSUE": 5.0, "BALL": 120.0}
 NU = 0.499
-# Reach of the weight 1 - (r / reach)^2 under which the pressure in the middle is averaged. Nodal forces times a weight of the
-# elements' own functions are the work of the pressure on it, so the mean is as good as the force.
+# Reach of the weight 1 - (r / reach)^2 under which the pressure in the middle is averaged. Nodal forces times a weight
+# of the elements' own functions are the work of the pressure on it, so the mean is as good as the force.
 MIDDLE = 2.5
 
 

@@ -26,8 +26,8 @@ class Faces:
         with np.errstate(divide="ignore"):
             border = np.minimum(half_mm[0] / np.abs(np.cos(angle)), half_mm[1] / np.abs(np.sin(angle)))
         rings = [np.outer(np.linspace(0.0, rim_mm, RINGS + 1)[1:], np.ones_like(angle))]
-        # The faces level off within a millimetre or two beyond the rim, so rings are closer there. Where the rim touches the
-        # border, what lies between are slivers thinner than a micrometre.
+        # The faces level off within a millimetre or two beyond the rim, so rings are closer there. Where the rim
+        # touches the border, what lies between are slivers thinner than a micrometre.
         beyond = np.maximum(border - rim_mm, 1e-6)
         rings.append(rim_mm + np.outer((np.arange(1, OUTER_RINGS + 1) / OUTER_RINGS) ** 1.5, beyond))
         r = np.concatenate(rings)

@@ -6,7 +6,7 @@
 //   led_exponent     intensity goes as its power of the cosine, up to led_cos_cutoff
 //   led_launch       1 - cos_cutoff^(exponent + 1)
 //   led_table        first entry of its intensity table, or NO_TABLE
-//   led_picked       the LED for a number in [0, 1), by shares of the power; led_picked_aimed, by those of aimed photons
+//   led_picked       the LED for a number in [0, 1), by shares of the power; led_picked_aimed, by aimed photons' shares
 //   led_aim_low, led_aim_high    sines between which aimed photons leave it, seen from above
 
 override LED_TABLES: bool = false;
@@ -139,7 +139,8 @@ fn launch() -> u32 {
         // To the wall's plane; a ray that misses the wall is lost beside it.
         path.o = select(path.o, face * out, abs(out) > vec3f(0.5));
         let width = select(scene.half_size.x, scene.half_size.y, wall < 2u);
-        if (abs(along_of(wall, path.o)) >= width || path.o.z <= 0.0 || path.o.z >= face_z(scene.layer_count)) { return END_SIDES; }
+        let below_or_above = path.o.z <= 0.0 || path.o.z >= face_z(scene.layer_count);
+        if (abs(along_of(wall, path.o)) >= width || below_or_above) { return END_SIDES; }
     }
     path.layer = layer_at(path.o);
     if (led_air(k) == 0u) {

@@ -14,7 +14,8 @@ fn exitance_at(xy: vec2f, mu_o: f32) -> f32 {
     for (var j = 0; j < 2; j += 1) {
         for (var i = 0; i < 2; i += 1) {
             let at = clamp(vec2i(c) + vec2i(i, j), vec2i(0), size - 1);
-            sum += exitance[u32(at.y * size.x + at.x)] * select(1.0 - u.x, u.x, i == 1) * select(1.0 - u.y, u.y, j == 1);
+            let here = exitance[u32(at.y * size.x + at.x)];
+            sum += here * select(1.0 - u.x, u.x, i == 1) * select(1.0 - u.y, u.y, j == 1);
         }
     }
     let one = select(sum.x / sum.y, 0.0, sum.y <= 0.0);
@@ -27,7 +28,8 @@ fn camera_touch(light: ptr<function, f32>) -> u32 {
     let a = abs(dot(path.p, path.normal));
     let r = boundary(path.o.xy, a).x;
     if (MAPPED) {
-        *light += path.weight * (1.0 - r) * exitance_at(path.o.xy, tissue_cosine(a)) / (3.141592653589793 * scene.tissue_n * scene.tissue_n);
+        let leaving = exitance_at(path.o.xy, tissue_cosine(a));
+        *light += path.weight * (1.0 - r) * leaving / (3.141592653589793 * scene.tissue_n * scene.tissue_n);
     }
     let chance = select(r, max(r, REFLECTED), MAPPED);
     let u = draw();

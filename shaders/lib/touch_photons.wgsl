@@ -66,7 +66,8 @@ fn splat(xy: vec2f, w: f32, mu_i: f32) {
     if (any(at < vec2f(0.0)) || any(at >= vec2f(scene.image_size))) { return; }
     // Solid angle of the pixel: tan^2 cos^3.
     let solid = scene.pixel_tan * scene.pixel_tan * cos_c * cos_c * cos_c;
-    let light = w * sent(mu_i, tissue_cosine(a)) * through * s_over_r / (3.141592653589793 * scene.tissue_n * scene.tissue_n * cos_c * slope * solid);
+    let spread = 3.141592653589793 * scene.tissue_n * scene.tissue_n * cos_c * slope * solid;
+    let light = w * sent(mu_i, tissue_cosine(a)) * through * s_over_r / spread;
     deposit(u32(at.y) * scene.image_size.x + u32(at.x), light);
 }
 

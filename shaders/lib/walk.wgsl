@@ -68,7 +68,9 @@ fn meet(i: u32, normal: vec3f, side: f32) -> bool {
     if (EYE) {
         let top = i == scene.layer_count && side > 0.0;
         let even = !(ROUGH && face_kind(i) != SMOOTH);
-        if (even && (top || i == 0u && side < 0.0)) { chance = select(1.0, max(r, 0.5), top && !leaves_for_good(path.p + (b - a) * m)); }
+        if (even && (top || i == 0u && side < 0.0)) {
+            chance = select(1.0, max(r, 0.5), top && !leaves_for_good(path.p + (b - a) * m));
+        }
     }
     if (u < chance) {
         if (EYE) { path.weight *= r / chance; }

@@ -54,11 +54,11 @@ impl MeanError {
         self.quantile() * self.variance.sqrt()
     }
 
-    /// Lower and upper end of the 95 % interval, from the estimate, of what may be skewed, as the light of few paths is:
-    /// its mean departs further, and more often, to one side, which Student's t does not know. With T the departure in
-    /// standard errors and y the skewness, T + y T^2 / 3 + y^2 T^3 / 27 + y / 6 is nearly of Student's t (Hall, J. R.
-    /// Stat. Soc. B 54, 221, 1992); it is a cube, and solved as one. No end is nearer than Student's: of tails that are
-    /// heavy on both sides the skewness of 16 values is chance.
+    /// Lower and upper end of the 95 % interval, from the estimate, of what may be skewed, as the light of few paths
+    /// is: its mean departs further, and more often, to one side, which Student's t does not know. With T the departure
+    /// in standard errors and y the skewness, T + y T^2 / 3 + y^2 T^3 / 27 + y / 6 is nearly of Student's t (Hall, J.
+    /// R. Stat. Soc. B 54, 221, 1992); it is a cube, and solved as one. No end is nearer than Student's: of tails that
+    /// are heavy on both sides the skewness of 16 values is chance.
     pub fn interval(&self) -> [f64; 2] {
         /// Below this the terms with y are lost in rounding.
         const SYMMETRIC: f64 = 1e-6;

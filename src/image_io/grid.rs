@@ -16,8 +16,8 @@ pub struct Grid {
     pub values: Vec<f64>,
 }
 
-/// The grid of a file, from its bytes: the first channel of an EXR, the grey of a PNG or TIFF with full scale as 1, or a
-/// CSV of numbers without a heading. The format is told by the extension of `path`.
+/// The grid of a file, from its bytes: the first channel of an EXR, the grey of a PNG or TIFF with full scale as 1, or
+/// a CSV of numbers without a heading. The format is told by the extension of `path`.
 ///
 /// # Errors
 /// When the file is damaged, too large, of unequal rows, or holds what is not a finite number.

@@ -17,8 +17,8 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// Reads two images: each a radiance.exr, or a folder with one, or with mean.exr and variance.exr. `replicates` stand
-    /// behind the variances of an image that does not say.
+    /// Reads two images: each a radiance.exr, or a folder with one, or with mean.exr and variance.exr. `replicates`
+    /// stand behind the variances of an image that does not say.
     ///
     /// # Errors
     /// As [`read_radiance`]; a folder that holds no image, images in different units.
@@ -33,8 +33,8 @@ impl Pair {
         Ok(Self { a: first, b: second, origins })
     }
 
-    /// Compares them by their variances, replicate by replicate where they are known to share random numbers; `level` is
-    /// the chance of calling equal images different.
+    /// Compares them by their variances, replicate by replicate where they are known to share random numbers; `level`
+    /// is the chance of calling equal images different.
     ///
     /// # Errors
     /// Images that cannot be compared.

@@ -302,8 +302,8 @@ impl Records {
     }
 }
 
-/// A record with the SHA-256 of its name and its text: a bit that flipped in a figure, or another item's record, is still
-/// good JSON.
+/// A record with the SHA-256 of its name and its text: a bit that flipped in a figure, or another item's record, is
+/// still good JSON.
 fn sealed(name: &str, text: &str) -> String {
     format!("{{{SEAL}{}{RECORD}{text}}}\n", sha256(format!("{name}\n{text}").as_bytes()))
 }

@@ -130,8 +130,8 @@ pub(super) fn most_shown_kpa(pressed: &Pressed) -> f64 {
 
 /// Contact pressure along the deformed face as it is drawn: places, mm, and pressures, kPa.
 ///
-/// Towards a singular edge the nodes of quadratic elements lie in turn above and below the pressure. There each is drawn
-/// as its mean with its neighbours, which leaves what is smooth where it was; contact.csv has the nodes' own.
+/// Towards a singular edge the nodes of quadratic elements lie in turn above and below the pressure. There each is
+/// drawn as its mean with its neighbours, which leaves what is smooth where it was; contact.csv has the nodes' own.
 pub(super) fn drawn_pressure(pressed: &Pressed, step: &PressStep) -> Vec<[f64; 2]> {
     let pressures: Vec<f64> = step.points.iter().map(|point| point.pressure_kpa).collect();
     let drawn = |(k, point): (usize, &ContactPoint)| {

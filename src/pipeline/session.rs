@@ -99,7 +99,8 @@ impl Session {
         self.press_by(&(), loaded, order, observe)
     }
 
-    /// The same with a shelf for what this session does not have. A press that starts from the last one is not put there.
+    /// The same with a shelf for what this session does not have. A press that starts from the last one is not put
+    /// there.
     ///
     /// # Errors
     /// As [`Self::press`].

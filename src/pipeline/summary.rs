@@ -1,4 +1,5 @@
-//! What is said of a shot and of a press: one set of names and units for tables, `--json` and whoever calls the library.
+//! What is said of a shot and of a press: one set of names and units for tables, `--json` and whoever calls the
+//! library.
 
 use super::{Reading, Shot, Truth};
 use crate::camera::{Frame, Suited};

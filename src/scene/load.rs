@@ -35,8 +35,8 @@ pub type LoadedScene = Loaded<Scene>;
 pub type LoadedScan = Loaded<ScanScene>;
 
 impl LoadedScene {
-    /// What tells the scene from others: the SHA-256 of its file, or one of the scene itself where that has been changed
-    /// since it was read; with those of the files that it names, where it names some.
+    /// What tells the scene from others: the SHA-256 of its file, or one of the scene itself where that has been
+    /// changed since it was read; with those of the files that it names, where it names some.
     #[must_use]
     pub fn identity(&self) -> String {
         let as_read = parse(&self.text, Path::new("")).is_ok_and(|read| read.scene == self.scene);

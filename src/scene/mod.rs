@@ -94,11 +94,11 @@ pub struct Render {
     pub photons: Option<u64>,
     /// Edge of a texel of the irradiance map, mm. The default keeps its bias below the noise (docs/decisions).
     pub map_texel_mm: f64,
-    /// Whether the irradiance map is smoothed. That leaves little noise, and a bias that is small beside it but that all
-    /// renders of a scene share: where many images are averaged, or learnt from, leave it out.
+    /// Whether the irradiance map is smoothed. That leaves little noise, and a bias that is small beside it but that
+    /// all renders of a scene share: where many images are averaged, or learnt from, leave it out.
     pub map_smoothing: bool,
-    /// Whether photons count for all places that mirror images make alike, in scenes that have such. The noise of the map
-    /// is then its own mirror image too.
+    /// Whether photons count for all places that mirror images make alike, in scenes that have such. The noise of the
+    /// map is then its own mirror image too.
     pub symmetry: bool,
     /// Control points along the longer side of a deformed interface held as a height field.
     pub height_field_points: u32,

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Press {
-    /// Displacements of the phantom's base towards the sensor from first touch, ascending, mm. Give these, `forces_n` or
-    /// steps.
+    /// Displacements of the phantom's base towards the sensor from first touch, ascending, mm. Give these, `forces_n`
+    /// or steps.
     pub depths_mm: Option<Vec<f64>>,
     /// Total forces, ascending, N. Give these, `depths_mm` or steps.
     pub forces_n: Option<Vec<f64>>,
@@ -18,9 +18,9 @@ pub struct Press {
     pub step: Vec<PressStep>,
     /// Whether the sensor gives way. Default: `deformable`.
     pub sensor: PressedSensor,
-    /// A rigid indenter in the sensor's place, a body of revolution about the axis, for `sensor = "rigid"` and faces that
-    /// slide. It guides no light: `press` takes such a scene, `render` and `run` do not. Pressure is singular at a sharp
-    /// tip and at each bend of a table, and grows there with the resolution. Absent: the sensor presses.
+    /// A rigid indenter in the sensor's place, a body of revolution about the axis, for `sensor = "rigid"` and faces
+    /// that slide. It guides no light: `press` takes such a scene, `render` and `run` do not. Pressure is singular at a
+    /// sharp tip and at each bend of a table, and grows there with the resolution. Absent: the sensor presses.
     pub indenter: Option<Indenter>,
     /// The face of the sensor that the phantom can touch, centred on the axis. Absent: the stack's footprint. Of an
     /// indenter, where elements are small: a disc. Absent: out to where the indenter lies as far below its tip as it is
@@ -29,8 +29,8 @@ pub struct Press {
     pub footprint: Option<FaceOutline>,
     /// What happens along the touching faces. Default: `frictionless`.
     pub interface: Interface,
-    /// Radius of the rim of the sensor's touched face, mm; 0 is sharp. Absent: 0 where tied; where faces slide 0.5, or as
-    /// far as a third of the face's half width and half of the topmost soft layer allow, because a sharp rim that
+    /// Radius of the rim of the sensor's touched face, mm; 0 is sharp. Absent: 0 where tied; where faces slide 0.5, or
+    /// as far as a third of the face's half width and half of the topmost soft layer allow, because a sharp rim that
     /// slides is singular (and none that is moulded is sharp). A rigid sensor that is tied has none.
     pub edge_radius_mm: Option<f64>,
     /// Turn of the phantom about the axes x and y through the middle of its touched face, degrees. Sliding faces are

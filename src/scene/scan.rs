@@ -82,8 +82,8 @@ pub struct Positions {
     pub count: u32,
 }
 
-/// Largest radius of a rounded flat indenter's edge, as a share of its flat's half width, at which it is meshed as a flat
-/// sensor is: the same share of the whole as that of a sensor's rim.
+/// Largest radius of a rounded flat indenter's edge, as a share of its flat's half width, at which it is meshed as a
+/// flat sensor is: the same share of the whole as that of a sensor's rim.
 const LARGEST_EDGE: f64 = 0.5;
 
 impl Indenter {

@@ -26,8 +26,8 @@ use std::path::PathBuf;
 /// Why there is no study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// A folder that is none of a sweep of phantoms that the calibration reads, an image or a calibration that cannot be
-    /// read.
+    /// A folder that is none of a sweep of phantoms that the calibration reads, an image or a calibration that cannot
+    /// be read.
     #[error(transparent)]
     Sweep(#[from] CalibrateError),
     /// A calibration of the sensor that cannot be read.

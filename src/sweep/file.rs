@@ -285,8 +285,8 @@ impl Sweep {
         Ok(())
     }
 
-    /// Looks at one point of each set of values that are no numbers: reads the files that it names, and refuses what all
-    /// points share.
+    /// Looks at one point of each set of values that are no numbers: reads the files that it names, and refuses what
+    /// all points share.
     fn look_at_points(&mut self) -> Result<(), Invalid> {
         let (mut known, mut broken, mut makes_scenes) = (HashSet::new(), None, false);
         for row in 0..self.plan.count() {

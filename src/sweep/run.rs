@@ -141,8 +141,8 @@ fn press_of(sweep: &Sweep, row: usize) -> Option<String> {
     Some(format!("{:?}", press_setup(&loaded).ok()?))
 }
 
-/// Does work by as many threads of its own as cores are left to each of so many workers. Where presses share threads they
-/// wait for each other: on 16 cores a press took 33 s beside 13 others.
+/// Does work by as many threads of its own as cores are left to each of so many workers. Where presses share threads
+/// they wait for each other: on 16 cores a press took 33 s beside 13 others.
 fn on_its_share(workers: usize, work: impl FnOnce() + Send) {
     let threads = rayon::current_num_threads().div_ceil(workers);
     match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {

@@ -32,8 +32,8 @@ impl Sweep {
     /// What the design says of each figure.
     ///
     /// # Errors
-    /// A point that has no such figure: an incomplete design says nothing that can be trusted. A figure that is the same
-    /// at all points.
+    /// A point that has no such figure: an incomplete design says nothing that can be trusted. A figure that is the
+    /// same at all points.
     pub fn sensitivity(&self, records: &Records) -> Vec<(&'static str, Result<Sensitivity, String>)> {
         let columns: Vec<&'static str> = self.columns().collect();
         // Of each figure its values, and the standard deviations that their intervals claim.

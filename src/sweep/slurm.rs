@@ -34,7 +34,8 @@ pub struct Job {
 }
 
 impl Job {
-    /// Writes `job.sh` of at most so many tasks, each of which runs `program`, the command `tirtouch`, with these flags.
+    /// Writes `job.sh` of at most so many tasks, each of which runs `program`, the command `tirtouch`, with these
+    /// flags.
     ///
     /// # Errors
     /// A script that cannot be written; a folder whose place the system does not say.

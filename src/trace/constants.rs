@@ -48,8 +48,8 @@ shared! {
     LEAST_EYE: f64 = 0.01;
     /// For camera paths on their way to tissue.
     LEAST_EYE_TOUCHED: f64 = 0.003;
-    /// Chance to go on at the least weight. Survivors weigh twice that: at the least itself rounding would decide whether
-    /// they play again.
+    /// Chance to go on at the least weight. Survivors weigh twice that: at the least itself rounding would decide
+    /// whether they play again.
     KEEP_AT_LEAST: f64 = 0.5;
     /// Most chance to go on.
     MOST_KEPT: f64 = 0.95;

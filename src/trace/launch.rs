@@ -3,8 +3,8 @@
 //! The launches of a seed are points of Sobol's sequence (USSR Comput. Math. Math. Phys. 7(4), 86, 1967) with the
 //! numbers of Joe and Kuo (SIAM J. Sci. Comput. 30(5), 2635, 2008), each coordinate scrambled at random after Owen
 //! (SIAM J. Numer. Anal. 34(5), 1884, 1997) by a hash (Laine and Karras, Comput. Graph. Forum 30(4), 1255, 2011; its
-//! numbers are Vegdahl's, 2021). Photon (a, b) of thread a is point a + 2^14 b, so that those which are added later go on where
-//! the others ended. docs/decisions/launch.md has what this is worth.
+//! numbers are Vegdahl's, 2021). Photon (a, b) of thread a is point a + 2^14 b, so that those which are added later go
+//! on where the others ended. docs/decisions/launch.md has what this is worth.
 
 use super::cpu::random::pcg3d;
 use std::fmt::Write as _;

@@ -1,8 +1,8 @@
 //! Designs: which points of the unit cube a sweep computes.
 //!
 //! Latin hypercubes: McKay, Beckman and Conover, Technometrics 21(2), 1979. Sobol: Owen-scrambled by hashing (Burley,
-//! JCGT 9(4), 2020). Morris trajectories: Morris, Technometrics 33(2), 1991. Saltelli: Saltelli et al., Computer Physics
-//! Communications 181(2), 2010.
+//! JCGT 9(4), 2020). Morris trajectories: Morris, Technometrics 33(2), 1991. Saltelli: Saltelli et al., Computer
+//! Physics Communications 181(2), 2010.
 
 use super::sensitivity::{BASE_POINTS, TRAJECTORIES};
 use crate::camera::noise::PixelRandom;

@@ -242,7 +242,8 @@ fn records_go_on_where_the_files_have_moved() {
 #[test]
 fn a_point_that_fails_keeps_its_reason_and_the_others_go_on() {
     let place = place();
-    // An exposure without light on the sensor is no fault; a photon map finer than its stack is wide is one of the scene.
+    // An exposure without light on the sensor is no fault; a photon map finer than its stack is wide is one of the
+    // scene.
     let file = SWEEP.replace(
         "key = \"touch.contact.pressure.radius_mm\"\nvalues = [3, 4]",
         "key = \"render.map_texel_mm\"\nvalues = [-1, 0.5]",

@@ -41,8 +41,8 @@ impl Case {
     }
 }
 
-/// What `job` says of each, in their order, four at a time: one that waits for a driver's compiler leaves the machine to
-/// the others.
+/// What `job` says of each, in their order, four at a time: one that waits for a driver's compiler leaves the machine
+/// to the others.
 pub fn at_once<T: Sync, U: Send>(of: &[T], job: impl Fn(&T) -> U + Sync) -> Vec<U> {
     let next = AtomicUsize::new(0);
     let work = || {

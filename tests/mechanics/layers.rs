@@ -7,9 +7,9 @@
 //! that of a half space of the touched layer. The force is 2 E* a w kappa with kappa = int phi, the pressure
 //! E* w / (pi a) (phi(1) / sqrt(1 - r^2) - int_r^1 phi'(t) / sqrt(t^2 - r^2) dt).
 //!
-//! Of one layer L is known in closed form. Of several it is integrated: in Hankel space (u_r, u_z, s_rz, s_zz) obey four
-//! ordinary equations over the depth, and the compliance C, (u_r, u_z) = C (s_rz, s_zz), a Riccati equation, which is
-//! stable from the base, where C = 0, up to the face.
+//! Of one layer L is known in closed form. Of several it is integrated: in Hankel space (u_r, u_z, s_rz, s_zz) obey
+//! four ordinary equations over the depth, and the compliance C, (u_r, u_z) = C (s_rz, s_zz), a Riccati equation, which
+//! is stable from the base, where C = 0, up to the face.
 
 use std::f64::consts::PI;
 use tirtouch::mechanics::contact::Grip;

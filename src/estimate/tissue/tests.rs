@@ -83,8 +83,8 @@ fn features_scatter_as_their_covariance_says() {
     }
 }
 
-/// Where forces are held their noise counts, with the sign that it has: peaks and bases that rise with the force scatter
-/// less about those of the same force, widths that fall with it more.
+/// Where forces are held their noise counts, with the sign that it has: peaks and bases that rise with the force
+/// scatter less about those of the same force, widths that fall with it more.
 #[test]
 fn features_of_the_same_force_scatter_as_their_covariance_says() {
     let (exact, noise) = (made_up(), Noise { constant_kpa: 0.0, share: 0.01 });

@@ -2,8 +2,8 @@
 //!
 //! Moulded silicone has no sharp rim, and one would be singular: on a sharp rim that slides, a mesh holds the contact's
 //! edge at one node, which snaps from the face to the rim. The nodes of the touched face near the rim sink onto an arc,
-//! those of the top layer below follow, and elements keep their neighbours. Nodes that face each other across the contact
-//! still do: pressure on faces whose nodes do not is 1 % rough or more.
+//! those of the top layer below follow, and elements keep their neighbours. Nodes that face each other across the
+//! contact still do: pressure on faces whose nodes do not is 1 % rough or more.
 
 use super::{Footprint, Mesh, MeshError, quality};
 

@@ -27,7 +27,8 @@ fn shapes(x: f64) -> [[f64; 3]; 2] {
     [[0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], [x - 0.5, -2.0 * x, x + 0.5]]
 }
 
-/// ShapeFunctions functions along each axis at local coordinates: values and slopes; those of axes beyond `dim` are 1 and constant.
+/// Shape functions along each axis at local coordinates: values and slopes; those of axes beyond `dim` are 1
+/// and constant.
 fn along_axes(dim: usize, local: [f64; 3]) -> [[[f64; 3]; 2]; 3] {
     [0, 1, 2].map(|axis| if axis < dim { shapes(local[axis]) } else { [[1.0, 0.0, 0.0], [0.0; 3]] })
 }

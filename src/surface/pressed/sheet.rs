@@ -8,11 +8,11 @@
 //! continuous: along r everywhere, over the plane at the corners and wherever lines of the mesh run straight on; where
 //! such a line has a kink they jump by what two cubics differ, of third order as well.
 //!
-//! The edge of a sensor is singular, and blurs the elements that meet it: slopes of cubics fitted there went up and down
-//! by a fifth while the edge moved by one element, and with them the light. So where the edge is round the corners of
-//! these elements take the nearest cubic that sees none of them. At the straight edges of a rectangle elements are three
-//! times as wide, and cubics drawn on over two of them were further off: there, and where there is no cubic, the last
-//! elements count by their own displacement.
+//! The edge of a sensor is singular, and blurs the elements that meet it: slopes of cubics fitted there went up and
+//! down by a fifth while the edge moved by one element, and with them the light. So where the edge is round the corners
+//! of these elements take the nearest cubic that sees none of them. At the straight edges of a rectangle elements are
+//! three times as wide, and cubics drawn on over two of them were further off: there, and where there is no cubic, the
+//! last elements count by their own displacement.
 //!
 //! The tracer's block keeps its walls where they were. A pressed body bulges past them, and the singular bend of its
 //! edge with it, but for what elements at the outline see of it. From the outline of the undeformed face outwards,
@@ -330,8 +330,8 @@ mod tests {
     #[test]
     fn elements_that_end_before_the_outline_count_to_their_end() {
         let short = Sheet::new(face(1, 16, bump), Footprint::Round { radius_mm: 5.0 }, 0.5);
-        // A cubic that saw no more than half a mm before the last two elements, of 0.25 mm: its fourth derivative bends it
-        // by up to 1e-3.
+        // A cubic that saw no more than half a mm before the last two elements, of 0.25 mm: its fourth derivative bends
+        // it by up to 1e-3.
         assert!((short.height([4.0, 0.0]) - bump([4.0, 0.0])).abs() < 1e-3);
         let end = slope(&short, [4.0, 0.0], -1e-6);
         assert!((short.height([60.0, 0.0]) - short.height([4.0, 0.0]) - 0.5 * end).abs() < 1e-4);

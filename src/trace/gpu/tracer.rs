@@ -358,8 +358,8 @@ impl GpuTracer {
     }
 }
 
-/// Cuts samples into what one dispatch may hold: the first, how many each thread takes, and rows of threads. A row takes
-/// the samples after those of the row before it.
+/// Cuts samples into what one dispatch may hold: the first, how many each thread takes, and rows of threads. A row
+/// takes the samples after those of the row before it.
 fn portions(first: u32, samples: u32, rows: u32, most: u32) -> impl Iterator<Item = (u32, u32, u32)> {
     let mut next = 0;
     std::iter::from_fn(move || {
