@@ -1,6 +1,6 @@
 //! Which variables matter for which figure, from the records of a complete design.
 
-use super::{State, Sweep};
+use super::{RandomNumbers, State, Sweep};
 use crate::output::Records;
 use crate::vary::Design;
 use crate::vary::sensitivity::{Effects, Indices, effects, indices};
@@ -62,7 +62,10 @@ impl Sweep {
                     let units: Vec<Vec<f64>> = (0..self.plan.count()).map(|row| self.plan.unit(row)).collect();
                     effects(free, &units, figures, noise).map(Sensitivity::Effects)
                 }
-                Design::Saltelli { .. } => indices(free, figures, noise).map(Sensitivity::Indices),
+                Design::Saltelli { .. } => {
+                    let common = self.file.sweep.random_numbers == RandomNumbers::Common;
+                    indices(free, figures, noise, common).map(Sensitivity::Indices)
+                }
                 _ => Err("its design is not one of sensitivity".into()),
             }
         };

@@ -9,7 +9,7 @@
 //! |e| + s sqrt(2 / pi), and above the absolute mean. In the mean of squares behind a total index noise of variance v
 //! adds up to 2 v, in the product behind a first one up to v either way, and v in the variance itself. What the figures
 //! of a trajectory or of a base point have of it in common cancels, how much is not known: intervals allow for none and
-//! for all.
+//! for all. Indices themselves are less the noise, all of it common where a base point's random numbers are.
 
 use crate::camera::noise::PixelRandom;
 use crate::film::MeanError;
@@ -130,11 +130,11 @@ pub fn effects(variables: usize, units: &[Vec<f64>], figures: &[f64], noise: &[f
 }
 
 /// Indices of each of `variables` variables from the figures of a Saltelli design, row after row, and the standard
-/// deviations of their noise. Base points have no noise in common.
+/// deviations of their noise. `common` tells that the points of a block share random numbers; no two blocks do.
 ///
 /// # Errors
 /// Figures that are not those of a complete design, all the same, or noise alone.
-pub fn indices(variables: usize, figures: &[f64], noise: &[f64]) -> Result<Vec<Indices>, String> {
+pub fn indices(variables: usize, figures: &[f64], noise: &[f64], common: bool) -> Result<Vec<Indices>, String> {
     let length = variables + 2;
     if noise.len() != figures.len() || figures.is_empty() || !figures.len().is_multiple_of(length) {
         return Err(format!("{} figures are not those of a complete design", figures.len()));
@@ -158,10 +158,10 @@ pub fn indices(variables: usize, figures: &[f64], noise: &[f64]) -> Result<Vec<I
     if noise >= 1.0 {
         return Err(NOISY.into());
     }
-    let widened = |one: Interval, up: f64| Interval {
+    let behind_noise = |one: Interval, less: f64, up: f64| Interval {
+        value: (one.value - less) / (1.0 - noise),
         low: one.low.min((one.low - noise) / (1.0 - noise)),
         high: one.high.max((one.high + up) / (1.0 - noise)),
-        ..one
     };
     let of = |variable: usize| {
         let seed = variable as u32;
@@ -179,8 +179,11 @@ pub fn indices(variables: usize, figures: &[f64], noise: &[f64]) -> Result<Vec<I
             mean(drawn.iter().map(square)) / (2.0 * variance(drawn))
         };
         let (first, total) = (interval(blocks.len(), seed, first), interval(blocks.len(), seed, total));
-        let total = widened(total, 0.0);
-        Indices { first: widened(first, noise), total: Interval { low: total.low.max(0.0), ..total } }
+        let total = behind_noise(total, if common { 0.0 } else { noise }, 0.0);
+        Indices {
+            first: behind_noise(first, 0.0, noise),
+            total: Interval { value: total.value.max(0.0), low: total.low.max(0.0), ..total },
+        }
     };
     Ok((0..variables).map(of).collect())
 }
@@ -219,14 +222,14 @@ mod tests {
     fn found(seed: u32, points_: u32, constant: f64) -> Vec<Indices> {
         let points = points(&Design::Saltelli { points: points_, seed }, 3, [-PI, PI]);
         let figures: Vec<f64> = points.iter().map(|x| constant + ishigami(x)).collect();
-        indices(3, &figures, &vec![0.0; figures.len()]).unwrap()
+        indices(3, &figures, &vec![0.0; figures.len()], true).unwrap()
     }
 
     #[test]
     fn few_trajectories_or_base_points_have_no_interval() {
         let figures: Vec<f64> = (0..192).map(f64::from).collect();
-        assert_eq!(indices(1, &figures[..189], &[0.0; 189]).unwrap_err(), FEW);
-        assert!(indices(1, &figures, &[0.0; 192]).is_ok());
+        assert_eq!(indices(1, &figures[..189], &[0.0; 189], true).unwrap_err(), FEW);
+        assert!(indices(1, &figures, &[0.0; 192], true).is_ok());
         let units: Vec<_> = (0..12).map(|k| vec![0.5 * f64::from(k % 2)]).collect();
         assert_eq!(effects(1, &units[..10], &figures[..10], &[0.0; 10]).unwrap_err(), FEW);
         assert!(effects(1, &units, &figures[..12], &[0.0; 12]).is_ok());
@@ -286,24 +289,28 @@ mod tests {
     #[test]
     fn indices_hold_what_there_is_behind_noise() {
         const DEVIATION: f64 = 0.3;
+        const TRUTH: [f64; 4] = [1.0, 1.0, 0.0, 0.0];
         for common in [0.0, 0.8] {
-            let (mut held, mut without) = ([0; 4], 0);
+            let (mut held, mut means, mut without) = ([0; 4], [0.0; 4], 0);
             for seed in 0..100 {
                 let points = points(&Design::Saltelli { points: 64, seed }, 2, [-3.0f64.sqrt(), 3.0f64.sqrt()]);
                 let figures = noisy(points.iter().map(|x| x[0]), DEVIATION, seed, 4, common);
-                let found = |noise| indices(2, &figures, &vec![noise; points.len()]).unwrap();
+                let found = |noise| indices(2, &figures, &vec![noise; points.len()], common > 0.0).unwrap();
                 let told = found(DEVIATION);
                 let of = |one: &Indices| [one.first, one.total];
-                for (k, (one, truth)) in told.iter().flat_map(of).zip([1.0, 1.0, 0.0, 0.0]).enumerate() {
+                for (k, (one, truth)) in told.iter().flat_map(of).zip(TRUTH).enumerate() {
                     held[k] += u32::from((one.low..=one.high).contains(&truth));
+                    means[k] += one.value / 100.0;
                 }
                 without += u32::from(found(0.0)[1].total.low <= 0.0);
             }
             assert!(held.iter().all(|&held| held >= 88), "{common}: {held:?} of 100");
+            // Noise is a twelfth of the variance.
+            assert!(means.iter().zip(TRUTH).all(|(mean, truth)| (mean - truth).abs() < 0.04), "{common}: {means:?}");
             assert_eq!(without, 0, "noise that is not told");
         }
         let noise = noisy((0..256).map(|_| 0.0), 1.0, 1, 4, 0.0);
-        assert_eq!(indices(2, &noise, &[1.3; 256]).unwrap_err(), NOISY);
+        assert_eq!(indices(2, &noise, &[1.3; 256], true).unwrap_err(), NOISY);
     }
 
     #[test]
@@ -337,7 +344,7 @@ mod tests {
         // The block that swaps the second variable computed with the first one's.
         figures.chunks_mut(5).for_each(|block| block[2] = block[1]);
         let [_, [first, _], _] = exact();
-        let found = indices(3, &figures, &vec![0.0; figures.len()]).unwrap()[1];
+        let found = indices(3, &figures, &vec![0.0; figures.len()], true).unwrap()[1];
         assert!(found.first.high < first - 0.05 || found.first.low > first + 0.05, "{found:?}");
     }
 
@@ -361,9 +368,9 @@ mod tests {
 
     #[test]
     fn what_is_not_whole_or_does_not_vary_has_no_indices() {
-        assert!(indices(3, &[1.0; 9], &[0.0; 9]).unwrap_err().contains("complete design"));
-        assert!(indices(3, &[], &[]).is_err());
-        assert_eq!(indices(3, &[2.0; 320], &[0.0; 320]).unwrap_err(), CONSTANT);
+        assert!(indices(3, &[1.0; 9], &[0.0; 9], true).unwrap_err().contains("complete design"));
+        assert!(indices(3, &[], &[], true).is_err());
+        assert_eq!(indices(3, &[2.0; 320], &[0.0; 320], true).unwrap_err(), CONSTANT);
         assert!(
             effects(2, &[vec![0.0; 2], vec![0.0; 2]], &[1.0, 2.0], &[0.0; 2]).unwrap_err().contains("complete design")
         );
