@@ -3,9 +3,9 @@
 
     cargo build --release && python3 benches/nine_phantoms.py
 
-Needs numpy and pillow. Runs each preset less its baseline, with 32 camera paths a pixel, and prints its force, the mean of
-24 x 24 pixels about the middle with the inclusion less that without, that without, the spread of its pixels, and pixels at
-the top level.
+Needs numpy and pillow. Runs each preset less its baseline, with 32 camera paths a pixel, and prints its force, the mean
+of 24 x 24 pixels about the middle with the inclusion less that without, that without, the spread of its pixels, and
+pixels at the top level.
 """
 
 import json

@@ -3,8 +3,8 @@
 
     cargo build --release && python3 benches/press_images.py [--depths 2 4] [--edges 0 0.5] [--solid]
 
-Needs numpy and OpenEXR. Renders `phantom-size-8mm` on four meshes by the same random numbers, prints the mean radiance of
-each and the largest difference of two meshes in rings of 0.5 mm about the axis, as a share of the finest one's. With
+Needs numpy and OpenEXR. Renders `phantom-size-8mm` on four meshes by the same random numbers, prints the mean radiance
+of each and the largest difference of two meshes in rings of 0.5 mm about the axis, as a share of the finest one's. With
 `--solid`, the default mesh in two dimensions against two in three dimensions, ring by ring.
 """
 

@@ -5,9 +5,9 @@
 An independent look at `tirtouch calibrate --bound`: no light is traced. The image of a press is taken as the share of
 true contact, which goes with the pressure while it is small, so that all derivatives are those of the logarithm of the
 pressure in rings: central differences of presses, free of noise. Each ring has the noise of its pixels, 348 x 261 over
-the face with 6000 electrons at 2 kPa, as in the phantom scenes. Beside size, depth and modulus the phantom's modulus, the
-depth of the press (1 %), the contact law and the LEDs' power are unknown, and each load has a smooth error of its own
-(SMOOTH_ERROR, a share; default 0.001). Prints the Cramer-Rao bound as shares. Needs numpy; a minute on two cores.
+the face with 6000 electrons at 2 kPa, as in the phantom scenes. Beside size, depth and modulus the phantom's modulus,
+the depth of the press (1 %), the contact law and the LEDs' power are unknown, and each load has a smooth error of its
+own (SMOOTH_ERROR, a share; default 0.001). Prints the Cramer-Rao bound as shares. Needs numpy; a minute on two cores.
 """
 
 import os

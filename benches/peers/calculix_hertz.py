@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """A rigid ball on an elastic block by the penalty contact of CalculiX: how far is its pressure from Hertz's?
 
-    python calculix_hertz.py --mesh mesh.json --rung 2    # the mesh that `press_peer hertz --rung 2 --mesh mesh.json` wrote
+    python calculix_hertz.py --mesh mesh.json --rung 2
 
-The same block, mesh and depth as ours; the ball is a cap of elements all of whose nodes are held. Frictionless, surface to
-surface, pressure = stiffness times overlap. Prints one line of JSON with nodal pressures (kPa at E = 1 kPa).
+The mesh is that which `press_peer hertz --rung 2 --mesh mesh.json` wrote. The same block, mesh and depth as ours; the
+ball is a cap of elements all of whose nodes are held. Frictionless, surface to surface, pressure = stiffness times
+overlap. Prints one line of JSON with nodal pressures (kPa at E = 1 kPa).
 """
 
 import argparse
@@ -88,8 +89,8 @@ def pressures(folder):
 
 
 def scatter(rows, rung, nu=0.3):
-    """Difference to p0 sqrt(1 - r^2) for r < 0.8 (the contact's radius is 1 mm) as shares of p0: rms over the area with and
-    without the element at the axis, where the slice ends in a wedge, and the largest without."""
+    """Difference to p0 sqrt(1 - r^2) for r < 0.8 (the contact's radius is 1 mm) as shares of p0: rms over the area with
+    and without the element at the axis, where the slice ends in a wedge, and the largest without."""
     r, pressure = np.array([row for row in rows if row[0] < 0.8 - 1e-6]).T
     off = pressure / (2 / (1 - nu * nu) / (np.pi * BALL)) - np.sqrt(1 - r * r)
     beyond = r > 0.2 / rung + 1e-6

@@ -56,7 +56,8 @@ def _pressed(case):
     """Interfaces and contact of a press, or None where nothing is pressed."""
     if "press" not in case.scene:
         return None
-    return pressed_scene.Faces(PRESSED_PEER, case.scene_file, peer.Stack(case.scene).half_mm, peer.contact(case.scene)[0])
+    half_mm, contact = peer.Stack(case.scene).half_mm, peer.contact(case.scene)[0]
+    return pressed_scene.Faces(PRESSED_PEER, case.scene_file, half_mm, contact)
 
 
 def _smooth_case(scene, work):
@@ -227,15 +228,16 @@ def table(results, arguments):
         f"tirtouch on {results[0]['adapter']}.",
         "Intervals are 95 %. Ratios are tirtouch over Mitsuba; efficiency is 1 / (relative pixel variance x seconds).",
         "",
-        "| scene | rounds | integrator | mean radiance, ratio | blocks agree | paths/s | Mitsuba paths/s | ratio | efficiency ratio |",
+        "| scene | rounds | integrator | mean radiance, ratio | blocks agree"
+        " | paths/s | Mitsuba paths/s | ratio | efficiency ratio |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for r in results:
         mean = r["mean_ratio"]
         agrees = {True: "yes", False: "no", None: "not tested"}[r.get("block_test_agrees")]
         lines.append(
-            f"| {r['case']} | {r['rounds']} | {r['integrator']} | {mean['ratio']:.4f} ± {mean['half_width_95']:.4f} | {agrees}"
-            f" | {r['tirtouch_paths_per_second']:.2e} | {r['mitsuba_paths_per_second']:.2e}"
+            f"| {r['case']} | {r['rounds']} | {r['integrator']} | {mean['ratio']:.4f} ± {mean['half_width_95']:.4f}"
+            f" | {agrees} | {r['tirtouch_paths_per_second']:.2e} | {r['mitsuba_paths_per_second']:.2e}"
             f" | {r['paths_per_second_ratio']:.2f} | {r['efficiency_ratio']:.2f} |")
     return "\n".join(lines) + "\n"
 

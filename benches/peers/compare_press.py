@@ -31,7 +31,11 @@ import calculix_press
 import other_presses
 
 HERE = Path(__file__).resolve().parent
-PRESSES = {"linear, 1 mm": ("linear", 1.0), "neo-Hookean, 1 mm": ("neo-hookean", 1.0), "neo-Hookean, 4 mm": ("neo-hookean", 4.0)}
+PRESSES = {
+    "linear, 1 mm": ("linear", 1.0),
+    "neo-Hookean, 1 mm": ("neo-hookean", 1.0),
+    "neo-Hookean, 4 mm": ("neo-hookean", 4.0),
+}
 # Rungs of each ladder: subdivisions of our mesh in ours, in CalculiX; columns and rows of CalculiX's own grid.
 RUNGS = {
     "linear, 1 mm": ([1, 2, 4], [1, 2, 4], [(48, 34), (96, 68), (192, 136)]),
@@ -52,7 +56,8 @@ class Programs:
         if threads:
             environment["RAYON_NUM_THREADS"] = str(threads)
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = subprocess.run([self.binary, *map(str, arguments)], check=True, capture_output=True, text=True, env=environment)
+        command = [self.binary, *map(str, arguments)]
+        done = subprocess.run(command, check=True, capture_output=True, text=True, env=environment)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
         return {**json.loads(done.stdout), "cpu_seconds": cpu}
@@ -97,8 +102,10 @@ def forces(programs, found, keep):
     for name, (law, press) in PRESSES.items():
         mine, matched, grids = RUNGS[name]
         runs = [("tirtouch", f"x{s}", lambda s=s: programs.tied(law, press, s, "--estimate")) for s in mine]
-        runs += [("CalculiX, our mesh", f"x{s}", lambda s=s: programs.theirs(law, press, subdivision=s)) for s in matched]
-        runs += [("CalculiX, own grid", f"{a} x {b}", lambda g=(a, b): programs.theirs(law, press, grid=g)) for a, b in grids]
+        for s in matched:
+            runs.append(("CalculiX, our mesh", f"x{s}", lambda s=s: programs.theirs(law, press, subdivision=s)))
+        for a, b in grids:
+            runs.append(("CalculiX, own grid", f"{a} x {b}", lambda g=(a, b): programs.theirs(law, press, grid=g)))
         for program, rung, run in runs:
             known = found.setdefault(name, {}).setdefault(program, {})
             if rung not in known:
@@ -134,11 +141,16 @@ def speed(programs, found, keep, rounds):
 
 
 # CalculiX's penalty in Young's moduli per mm, and the radius of the hole about the axis in elements.
-PENALTIES = {"100 E/mm, elements on the axis": (100, 0.0), "30 E/mm": (30, 0.01), "100 E/mm": (100, 0.01), "1000 E/mm": (1000, 0.01)}
+PENALTIES = {
+    "100 E/mm, elements on the axis": (100, 0.0),
+    "30 E/mm": (30, 0.01),
+    "100 E/mm": (100, 0.01),
+    "1000 E/mm": (1000, 0.01),
+}
 
 
 def hertz(programs, found, keep):
-    """The ball on meshes of 0.2, 0.1 and 0.05 mm, with CalculiX's penalty weak to stiff, and its mortar contact once."""
+    """The ball on meshes of 0.2, 0.1 and 0.05 mm, with CalculiX's penalty weak to stiff, its mortar contact once."""
     for nu, rung in [(nu, rung) for nu in (0.3, 0.499) for rung in (1, 2, 4)]:
         known = found.setdefault(f"{nu} | {0.2 / rung}", {})
         mine = programs.ours("hertz", "--rung", rung, "--nu", nu)
@@ -167,32 +179,45 @@ TITLES = {
 }
 
 
+def row(*cells):
+    """One of a table."""
+    return "|" + "|".join(f" {cell} " if cell != "" else " " for cell in cells) + "|"
+
+
+def head(*columns):
+    """The rows above a table's."""
+    return [row(*columns), "|" + "---|" * len(columns)]
+
+
 def tables(found):
     """The figures as Markdown."""
     text = [found["machine"], ""]
     if "forces" in found:
         text += ["## Tied press: force", ""]
-        text += ["| press | program | mesh | unknowns | iterations | force, N | off the limit | middle, kPa | processor seconds |", "|" + "---|" * 9]
+        text += head("press", "program", "mesh", "unknowns", "iterations", "force, N", "off the limit", "middle, kPa",
+                     "processor seconds")
         for name, programs in found["forces"].items():
             limit = extrapolated([run["force_n"] for run in programs["tirtouch"].values()])
             for program, runs in programs.items():
                 good = {rung: run for rung, run in runs.items() if "failed" not in run}
                 for rung, run in good.items():
                     off = 100 * (run["force_n"] / limit - 1)
-                    text.append(
-                        f"| {name} | {program} | {rung} | {run['dofs']} | {run['iterations'] or '-'} | {run['force_n']:.5f} | {off:+.2f} % |"
-                        f" {run['middle_kpa']:.4f} | {run['cpu_seconds']:.2f} |"
-                    )
+                    text.append(row(name, program, rung, run["dofs"], run["iterations"] or "-", f"{run['force_n']:.5f}",
+                                    f"{off:+.2f} %", f"{run['middle_kpa']:.4f}", f"{run['cpu_seconds']:.2f}"))
                 if len(good) > 1:
-                    force, middle = (extrapolated([run[key] for run in good.values()]) for key in ("force_n", "middle_kpa"))
-                    text.append(f"| {name} | {program} | limit | | | **{force:.5f}** | {100 * (force / limit - 1):+.2f} % | {middle:.4f} | |")
+                    forces, middles = ([run[key] for run in good.values()] for key in ("force_n", "middle_kpa"))
+                    force, middle = extrapolated(forces), extrapolated(middles)
+                    text.append(row(name, program, "limit", "", "", f"**{force:.5f}**",
+                                    f"{100 * (force / limit - 1):+.2f} %", f"{middle:.4f}", ""))
                 text += [f"| {name} | {program} | {rung} | failed | | | | | |" for rung in runs if rung not in good]
         estimates = "Estimates of our own error of the force: " + "; ".join(_estimates(found["forces"])) + "."
         text += ["", textwrap.fill(estimates, 120), ""]
     if "speed" in found and "forces" in found:
         text += _speed_table(found)
     if "hertz" in found:
-        text += ["## Hertz: pressure of a ball, r < 0.8 a", "", "| nu | element, mm | program | unknowns | rms | without the axis | largest | force / Hertz | seconds |", "|" + "---|" * 9]
+        text += ["## Hertz: pressure of a ball, r < 0.8 a", ""]
+        text += head("nu", "element, mm", "program", "unknowns", "rms", "without the axis", "largest", "force / Hertz",
+                     "seconds")
         for size, programs in found["hertz"].items():
             if size == "mortar":
                 continue
@@ -201,9 +226,8 @@ def tables(found):
                     text.append(f"| {size} | {program} | failed | | | | | |")
                     continue
                 ratio = run["force_mn"] / run["hertz_force_mn"]
-                text.append(
-                    f"| {size} | {program} | {run['dofs']} | {100 * run['rms']:.2f} % | {100 * run['rms_off_axis']:.2f} % | {100 * run['largest_off_axis']:.2f} % | {ratio:.4f} | {run['seconds']:.2f} |"
-                )
+                shares = (f"{100 * run[key]:.2f} %" for key in ("rms", "rms_off_axis", "largest_off_axis"))
+                text.append(row(size, program, run["dofs"], *shares, f"{ratio:.4f}", f"{run['seconds']:.2f}"))
         text += ["", f"CalculiX's mortar contact, axisymmetric: `{found['hertz']['mortar']}`.", ""]
     for part in other_presses.PARTS:
         if part in found:
@@ -216,24 +240,29 @@ def _estimates(forces):
         limit = extrapolated([run["force_n"] for run in programs["tirtouch"].values()])
         for rung, run in programs["tirtouch"].items():
             if run["estimated_force_error"] is not None:
-                yield f"{name} {rung} {100 * run['estimated_force_error']:.3f} % (true {100 * abs(run['force_n'] / limit - 1):.3f} %)"
+                estimated, true = 100 * run["estimated_force_error"], 100 * abs(run["force_n"] / limit - 1)
+                yield f"{name} {rung} {estimated:.3f} % (true {true:.3f} %)"
 
 
 def _speed_table(found):
     runs = found["speed"]["rounds"]
     ladder = found["forces"]["neo-Hookean, 1 mm"]["tirtouch"].values()
     limits = [extrapolated([run[key] for run in ladder]) for key in ("force_n", "middle_kpa")]
-    median = {name: [statistics.median(run[key] for run in rounds) for key in ("seconds", "cpu_seconds")] for name, rounds in runs.items()}
+    times = ("seconds", "cpu_seconds")
+    median = {name: [statistics.median(run[key] for run in rounds) for key in times] for name, rounds in runs.items()}
     peers = [name for name in runs if name.startswith("CalculiX")]
     before, after = (found["speed"][key][0] for key in ("load_before", "load_after"))
     count = len(runs[peers[0]])
-    text = ["## Speed: tied press, neo-Hookean, 1 mm", "", f"Medians of {count} alternating rounds; load average {before:.1f} before, {after:.1f} after.", ""]
-    text += ["| program | unknowns | force off | middle off | seconds | of processor | " + " | ".join(f"faster than {p}" for p in peers) + " |", "|" + "---|" * (6 + len(peers))]
+    loads = f"load average {before:.1f} before, {after:.1f} after"
+    text = ["## Speed: tied press, neo-Hookean, 1 mm", "", f"Medians of {count} alternating rounds; {loads}.", ""]
+    text += head("program", "unknowns", "force off", "middle off", "seconds", "of processor",
+                 *(f"faster than {p}" for p in peers))
     for name, rounds in runs.items():
         off = [abs(rounds[0][key] / limit - 1) for key, limit in zip(("force_n", "middle_kpa"), limits)]
-        ratios = [f"{statistics.median(b['seconds'] / a['seconds'] for a, b in zip(rounds, runs[peer])):.0f}" for peer in peers]
-        cells = [name, rounds[0]["dofs"], *(f"{100 * o:.2f} %" for o in off), *(f"{s:.2f}" for s in median[name])]
-        text.append("| " + " | ".join(map(str, cells + (ratios if name not in peers else ["" for _ in peers]))) + " |")
+        pairs = ([b["seconds"] / a["seconds"] for a, b in zip(rounds, runs[peer])] for peer in peers)
+        ratios = [f"{statistics.median(pair):.0f}" if name not in peers else "" for pair in pairs]
+        shares, seconds = (f"{100 * o:.2f} %" for o in off), (f"{s:.2f}" for s in median[name])
+        text.append(row(name, rounds[0]["dofs"], *shares, *seconds, *ratios))
     return text + [""]
 
 
@@ -250,7 +279,8 @@ def main():
     path = out / "mechanics.json"
     found = json.loads(path.read_text()) if path.exists() else {}
     version = subprocess.run(["ccx", "-v"], capture_output=True, text=True).stdout.split()[-1]
-    found["machine"] = f"CalculiX {version} with one thread; tirtouch built as `{a.build}`; {os.cpu_count()} processors."
+    cores = os.cpu_count()
+    found["machine"] = f"CalculiX {version} with one thread; tirtouch built as `{a.build}`; {cores} processors."
 
     def keep():
         path.write_text(json.dumps(found))

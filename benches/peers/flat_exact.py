@@ -5,9 +5,9 @@
 
 In a flat stack all that a camera ray can do is known: in each layer it runs at an angle that the pinhole fixes, and at
 each interface it splits in two. The tree of these pieces is followed for a lattice of camera rays at once and cut where
-less than 1e-9 of the light is left; a piece that meets a black wall ends there, on an LED or not. Every pixel gets 2 x 2
-rays, those near light get fine x fine. The only error is the lattice's: compare two sizes. Needs numpy alone. Prints one
-JSON object; `--out` writes the image as a NumPy file.
+less than 1e-9 of the light is left; a piece that meets a black wall ends there, on an LED or not. Every pixel gets 2 x
+2 rays, those near light get fine x fine. The only error is the lattice's: compare two sizes. Needs numpy alone. Prints
+one JSON object; `--out` writes the image as a NumPy file.
 """
 
 import argparse
@@ -135,8 +135,9 @@ def main():
     image[near] = pixel_means(scene, *np.nonzero(near), arguments.fine)
     if arguments.out:
         np.save(arguments.out, image)
+    share = float(image[near].sum() / image.sum())
     print(json.dumps({"scene": scene.name, "fine": arguments.fine, "fine_pixels": int(near.sum()),
-                      "mean_radiance": float(image.mean()), "share_of_fine_pixels": float(image[near].sum() / image.sum())}))
+                      "mean_radiance": float(image.mean()), "share_of_fine_pixels": share}))
 
 
 if __name__ == "__main__":

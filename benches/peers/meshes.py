@@ -13,8 +13,9 @@ the LEDs are widened to 10 mm: of 3 mm they light 2 % of the pixels, and their i
 
 tirtouch traces closed forms (height fields for Gaussians), in four times the rounds, and meshes, on the CPU, where
 trees are searched faster; equal seeds would gain nothing, as a mesh's facets scatter its error. Mitsuba traces the same
-triangles of the coarsest grid (without grids: of the fewest rings), with the same normals. Errors are the spread of the rounds. The grids' limit, the finest
-rings and Mitsuba meet if they are off by at most 0.3 % with an error below 0.1 %. Writes meshes.json and meshes.md.
+triangles of the coarsest grid (without grids: of the fewest rings), with the same normals. Errors are the spread of the
+rounds. The grids' limit, the finest rings and Mitsuba meet if they are off by at most 0.3 % with an error below 0.1 %.
+Writes meshes.json and meshes.md.
 """
 
 import argparse

@@ -1,8 +1,8 @@
 """A pressed sensor for Mitsuba: interfaces as meshes, contact as a blend, from `benches/pressed_peer.rs`.
 
-Faces are rings about the axis with the spline's own normals at the vertices. The touched face is split at the tissue's rim.
-Inside, it is a film of air in the top layer's index (`thindielectric`) where there is no true contact, and nothing where there
-is: a `mask` by the share of contact. The tissue is a Lambertian face above it.
+Faces are rings about the axis with the spline's own normals at the vertices. The touched face is split at the tissue's
+rim. Inside, it is a film of air in the top layer's index (`thindielectric`) where there is no true contact, and nothing
+where there is: a `mask` by the share of contact. The tissue is a Lambertian face above it.
 """
 
 import math
