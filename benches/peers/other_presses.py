@@ -33,7 +33,7 @@ class Case:
 def _layered(law, rungs, young, **faults):
     moduli = [f"--layers={','.join(map(str, layers))}" for layers in (young, *faults.values())]
     named = {name.replace("_", " "): [option] for name, option in zip(faults, moduli[1:])}
-    return Case(law, moduli[:1], rungs, young, named)
+    return Case(law, moduli[:1], rungs, layers=young, faults=named)
 
 
 PARTS = {
