@@ -3,6 +3,7 @@
 use crate::estimate::Value as Estimate;
 pub use crate::figure::three_digits as figure;
 use crate::film::RADIANCE_UNIT;
+use crate::mechanics::press::PressStep;
 use crate::pipeline::{Shot, segments_per_second};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -158,6 +159,22 @@ pub fn interval(value: f64, low: f64, high: f64) -> (String, String) {
         if is_zero { text.trim_start_matches('-').to_owned() } else { text }
     };
     (text(value), format!("{} to {}", text(low), text(high)))
+}
+
+/// A load in words.
+pub fn load_name(step: &PressStep) -> String {
+    let mut name = format!("{} mm", figure(step.depth_mm));
+    let [x, y] = step.slide_mm;
+    match [x != 0.0, y != 0.0] {
+        [false, false] => {}
+        [true, false] => name += &format!(", slid by {} mm", figure(x)),
+        [false, true] => name += &format!(", slid by {} mm along y", figure(y)),
+        [true, true] => name += &format!(", slid by {} and {} mm", figure(x), figure(y)),
+    }
+    if step.hold_s > 0.0 {
+        name += &format!(", held {} s", figure(step.hold_s));
+    }
+    name
 }
 
 #[cfg(test)]

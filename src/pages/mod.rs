@@ -19,6 +19,7 @@ pub(crate) mod press_files;
 mod press_vtu;
 pub(crate) mod regimes;
 pub(crate) mod run;
+pub(crate) mod said;
 pub(crate) mod sensor;
 pub(crate) mod shot;
 pub(crate) mod side;

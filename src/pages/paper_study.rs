@@ -2,7 +2,7 @@
 
 use super::PageError;
 use super::facts::{columns, figure, said, version};
-use super::study::Said;
+use super::said::Said;
 use super::tables::table;
 use crate::estimate::{Stiffness, Value};
 use crate::report::{AxisName, Item, LogPlot, LogPoint, LogSeries, LogStyle, Report, Section, Table, log_plot};

@@ -1,11 +1,11 @@
 //! What a report says of a press.
 
 use super::PageError;
-use super::facts::{figure, scene_rows, version};
+use super::facts::{figure, load_name, scene_rows, version};
 use super::press_files::{PressPictures, write_press};
 use super::truth::truth_table;
 use crate::mechanics::kinematics::Kinematics;
-use crate::mechanics::press::{PressStep, Pressed, PressureError, Rounding, SensorBody};
+use crate::mechanics::press::{Pressed, PressureError, Rounding, SensorBody};
 use crate::output::OutputFolder;
 use crate::pipeline::{PressSummary, Truth, method_name, setting};
 use crate::report::{Item, Report, Section, Table};
@@ -104,22 +104,6 @@ pub fn press_section(pressed: &Pressed, pictures: &PressPictures) -> Section {
     let facts = press_rows(pressed);
     items.extend(facts.first().map(|(_, text)| Item::Text(format!("Solver: {text}."))));
     Section { title: "Press".into(), items }
-}
-
-/// A load in words.
-pub fn load_name(step: &PressStep) -> String {
-    let mut name = format!("{} mm", figure(step.depth_mm));
-    let [x, y] = step.slide_mm;
-    match [x != 0.0, y != 0.0] {
-        [false, false] => {}
-        [true, false] => name += &format!(", slid by {} mm", figure(x)),
-        [false, true] => name += &format!(", slid by {} mm along y", figure(y)),
-        [true, true] => name += &format!(", slid by {} and {} mm", figure(x), figure(y)),
-    }
-    if step.hold_s > 0.0 {
-        name += &format!(", held {} s", figure(step.hold_s));
-    }
-    name
 }
 
 /// A press in words.

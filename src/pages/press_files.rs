@@ -1,7 +1,7 @@
 //! Files and pictures of a press.
 
 use super::PageError;
-use super::press::load_name;
+use super::facts::load_name;
 use super::press_vtu::write_vtu;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::press::{ContactPoint, Load, PressStep, Pressed, element_pressure, is_judged};

@@ -3,10 +3,10 @@
 use super::PageError;
 use super::facts::{columns, figure, interval, version};
 use super::paper_study::PaperPage;
+use super::said::Said;
 use super::tables::table;
 use crate::calibrate::FrameModel;
 use crate::estimate::{Detected, Value};
-use crate::output::Records;
 use crate::progress::Stage;
 use crate::report::{AxisName, Item, LogPlot, LogPoint, LogSeries, LogStyle, Report, Section, Table, log_plot};
 use crate::statistics::RankHistogram;
@@ -24,29 +24,6 @@ struct Page<'a> {
     summary: &'a Summary,
     /// The calibration.
     model: &'a FrameModel,
-}
-
-/// What is said of a study.
-pub struct Said {
-    /// Name of the table, and it.
-    pub table: (&'static str, String),
-    /// The page.
-    pub report: Report,
-    /// In words.
-    pub text: String,
-    /// For programs.
-    pub summary: serde_json::Value,
-}
-
-impl Said {
-    /// Writes the table and the page.
-    ///
-    /// # Errors
-    /// When they cannot be written.
-    pub fn write(&self, records: &Records) -> Result<(), PageError> {
-        records.write(self.table.0, &self.table.1)?;
-        Ok(records.write("report.html", &self.report.to_html())?)
-    }
 }
 
 /// Folders of a study's sweeps.

@@ -3,8 +3,8 @@
 use super::measure::Found;
 use super::ready::{Ready, Scene};
 use super::record::item;
-use super::run::Tally;
-use super::{Loads, Record, Seconds, State, Sweep, SweepError, Traced};
+use super::tally::{SweepError, Tally};
+use super::{Loads, Record, Seconds, State, Sweep, Traced};
 use crate::mechanics::press::{PressStep, Pressed};
 use crate::output::{OutputError, Records};
 use crate::pipeline::{PipelineError, Session};

@@ -18,13 +18,15 @@ mod shard;
 mod shelf;
 pub mod slurm;
 mod status;
+mod tally;
 
 pub use file::{NoScene, RandomNumbers, Rejected, Settings, Sweep, SweepFile, SweepFolderError, schema};
 pub use images::{Format, Images, Kept, Loads};
 pub use measure::{Measure, Told};
 pub use parts::Parts;
 pub use record::{Record, Seconds, State, Traced};
-pub use run::{Options, SweepError, run};
+pub use run::{Options, run};
 pub use sensitivity::Sensitivity;
 pub use shard::Shard;
 pub use status::Status;
+pub use tally::SweepError;

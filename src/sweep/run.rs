@@ -5,12 +5,12 @@ use super::ready::{Sent, Task, work};
 use super::record::item;
 use super::shard::Shard;
 use super::shelf::Presses;
+use super::tally::{SweepError, Tally};
 use super::{State, Sweep};
 use crate::mechanics::from_scene::press_setup;
 use crate::output::{OutputError, Records};
 use crate::pipeline::Session;
 use crate::progress::{Observer, Stage};
-use crate::trace::TraceError;
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -39,25 +39,6 @@ impl Default for Options {
         let cores = std::thread::available_parallelism().map_or(2, usize::from);
         Self { workers: cores.div_ceil(2), shard: None, retry: false }
     }
-}
-
-/// Why a sweep came to no end.
-#[derive(Debug, thiserror::Error)]
-pub enum SweepError {
-    /// A record could not be written.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    /// The device, not a point, is to blame.
-    #[error("point {row}: {error}")]
-    Device {
-        /// The point that was traced.
-        row: usize,
-        /// What the tracer says.
-        error: TraceError,
-    },
-    /// The caller stopped it.
-    #[error("stopped")]
-    Stopped,
 }
 
 /// Computes the points that have no record yet; gives how many of them this run computed itself.
@@ -100,20 +81,6 @@ pub fn run(
 fn forget_failures(sweep: &Sweep, records: &Records, rows: &[usize]) -> Result<(), OutputError> {
     let has_failed = |row: usize| sweep.record(records, row).is_some_and(|record| record.status == State::Failed);
     rows.iter().filter(|row| has_failed(**row)).try_for_each(|row| records.forget_item(&item(*row)))
-}
-
-/// Points that ended, of those asked for.
-pub(super) struct Tally {
-    pub done: usize,
-    /// Of these, by this run.
-    computed: usize,
-    pub of: usize,
-}
-
-impl Tally {
-    fn share(&self) -> f64 {
-        self.done as f64 / self.of.max(1) as f64
-    }
 }
 
 /// All rows, those that share a press after each other; and these.

@@ -1,13 +1,14 @@
-//! An asked error: attempts with ever more work.
+//! A model rendered as asked. An asked error takes attempts with ever more work.
 
-use super::backend::Backend;
+use super::backend::{Backend, Devices};
 use super::batch::{Batch, Times};
 use super::error::TraceError;
 use super::kernel::Kernel;
 use super::model::Model;
 use super::plan::{Integrator, Plan};
-use super::render::{FEW_PHOTONS, Outcome, REPLICATES, Settings, photons, pixels, render_batch, shared};
+use super::render::{FEW_PHOTONS, Outcome, REPLICATES, Settings, photons, pixels, render_batch, render_on, shared};
 use crate::progress::Observer;
+use std::time::Instant;
 
 /// Photons of a replicate that an error of [`FIRST_ERROR`] begins with, and the most times more for a smaller one: in
 /// an image of full size these take about as long as its camera paths and its map, which each attempt pays for
@@ -24,6 +25,31 @@ const MOST_SPP: u32 = 1 << 24;
 const SAFETY: f64 = 1.15;
 const MOST_SCALE: f64 = 8.0;
 
+/// Renders a model. `observe` is called between chunks; false stops the work. For an asked error each attempt counts
+/// from 0 to 1 by itself.
+///
+/// # Errors
+/// `Unsuited` where the integrator does not suit the scene; as [`Devices::load`] and [`render_on`].
+pub fn render(
+    devices: &Devices,
+    model: &Model<f64>,
+    settings: &Settings,
+    observe: &mut Observer,
+) -> Result<Outcome, TraceError> {
+    let start = Instant::now();
+    let mut backend = devices.load(model)?;
+    let opening = start.elapsed().as_secs_f64();
+    let outcome = match settings.target_error {
+        Some(target) => until(&mut backend, model, settings, target, observe)?,
+        None => render_on(&mut backend, model, settings, observe)?,
+    };
+    Ok(Outcome {
+        notice: devices.notice().map(str::to_owned).into_iter().chain(outcome.notice).reduce(|a, b| a + "; " + &b),
+        setup_seconds: opening + outcome.setup_seconds,
+        ..outcome
+    })
+}
+
 /// Renders until the relative error is at most `target`.
 ///
 /// It renders with the least work first, and from what that leaves anew with as much as it takes: the smoothing of a
@@ -32,7 +58,7 @@ const MOST_SCALE: f64 = 8.0;
 /// least work is a camera path per pixel and replicate, and few photons, since each path reads the smoothed map, whose
 /// noise is most of the error: photons alone grow until they are as many to a camera path as suits the scene, and both
 /// from there.
-pub(super) fn until(
+fn until(
     backend: &mut Backend,
     model: &Model<f64>,
     settings: &Settings,

@@ -1,12 +1,13 @@
 //! What it gains to leave out what a scene does not need: the same image with pieces of the kernels, or stages, that it
 //! has no use for, against the image without, alternating in one run.
 
+use super::asked::render;
 use super::backend::Devices;
 use super::disc::Disc;
 use super::error::TraceError;
 use super::kernel::{Kernel, ShapePiece};
 use super::model::{Camera, Deformation, FieldShape, Heights, Model, Spare, Tissue};
-use super::render::{Settings, render};
+use super::render::Settings;
 use super::scatter::Scatter;
 use crate::film::compare::compare;
 use crate::film::{Film, mean_interval};

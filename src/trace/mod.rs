@@ -46,9 +46,10 @@ pub mod symmetry;
 mod unfold;
 pub mod unseen;
 
+pub use asked::render;
 pub use backend::{Backend, BackendChoice, Devices, Precision};
 pub use error::TraceError;
 pub use kernel::Kernel;
 pub use model::Model;
 pub use plan::{Integrator, Plan};
-pub use render::{Outcome, REPLICATES, Settings, render, render_on};
+pub use render::{Outcome, REPLICATES, Settings, render_on};

@@ -4,8 +4,7 @@
 //! variance of the mean comes from their spread, for pixels and for blocks of pixels, because neighbours share photons.
 //! Within a replicate sums are 64-bit fixed point, so they do not depend on the order of the work.
 
-use super::asked;
-use super::backend::{Backend, Devices};
+use super::backend::Backend;
 use super::batch::{Batch, Times, Totals, Work};
 use super::error::TraceError;
 use super::exitance::{Smoothing, TouchedFace};
@@ -138,36 +137,11 @@ fn blotches(integrator: Integrator, film: &Film) -> Option<String> {
     ))
 }
 
-/// Renders a model. `observe` is called between chunks; false stops the work. For an asked error each attempt counts
-/// from 0 to 1 by itself.
-///
-/// # Errors
-/// `Unsuited` where the integrator does not suit the scene; as [`Devices::load`] and [`render_on`].
-pub fn render(
-    devices: &Devices,
-    model: &Model<f64>,
-    settings: &Settings,
-    observe: &mut Observer,
-) -> Result<Outcome, TraceError> {
-    let start = Instant::now();
-    let mut backend = devices.load(model)?;
-    let opening = start.elapsed().as_secs_f64();
-    let outcome = match settings.target_error {
-        Some(target) => asked::until(&mut backend, model, settings, target, observe)?,
-        None => render_on(&mut backend, model, settings, observe)?,
-    };
-    Ok(Outcome {
-        notice: devices.notice().map(str::to_owned).into_iter().chain(outcome.notice).reduce(|a, b| a + "; " + &b),
-        setup_seconds: opening + outcome.setup_seconds,
-        ..outcome
-    })
-}
-
 /// Renders on a backend that holds the model already: one device for many seeds. Work is that of the settings, or for
 /// their seconds; an asked error plays no part.
 ///
 /// # Errors
-/// `Unsuited` as for [`render`], what the backend says, `Stopped` where `observe` says so; `Overflow` where sums of
+/// `Unsuited` where the integrator does not suit the scene, what the backend says, `Stopped` where `observe` says so; `Overflow` where sums of
 /// light are full, else as [`accepted`].
 pub fn render_on(
     backend: &mut Backend,

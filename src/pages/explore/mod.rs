@@ -2,7 +2,7 @@
 
 mod solid;
 
-use super::press::load_name;
+use super::facts::load_name;
 use super::press_files::{drawn_pressure, most_shown_kpa};
 use super::shot::scale_of;
 use crate::camera::{ProjectionError, View as Projection};
