@@ -138,6 +138,15 @@ mod tests {
             assert!((further - 1.0).abs() < 0.01, "{exact:?} {noisy:?}");
             assert!(noisy.first.low < exact.first.low - 0.03 && noisy.total.low < exact.total.low, "{noisy:?}");
         }
+        // Noise of numbers that points have in common is in no difference of them; that of their own is in all.
+        let own = format!("{design}\nrandom_numbers = \"own\"");
+        let (of_own, its_records) = done(&place.path().join("own"), &own, ishigami);
+        let Ok(Sensitivity::Indices(own)) = &of_own.sensitivity(&its_records)[1].1 else { panic!() };
+        for ((exact, common), own) in indices.iter().zip(noisy).zip(own) {
+            let behind = |value: f64| value / (1.0 - 1.0 / 13.84);
+            assert!((common.total.value - behind(exact.total.value)).abs() < 0.005, "{exact:?} {common:?}");
+            assert!((own.total.value - behind(exact.total.value - 1.0 / 13.84)).abs() < 0.005, "{exact:?} {own:?}");
+        }
         // One point less, and nothing is said.
         std::fs::remove_file(place.path().join("out/items/0000007.json")).unwrap();
         let found = sweep.sensitivity(&records);
