@@ -7,6 +7,7 @@ use crate::exposure::{Exposure, Wanted};
 use crate::json::{json, to_dict};
 use crate::reading::Reading;
 use crate::scene::Scene;
+use crate::taken::Taken;
 use crate::trouble::Trouble;
 use crate::value::Value;
 use numpy::PyArray2;
@@ -15,45 +16,9 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
-use tirtouch::camera::{Frame, Suited};
+use tirtouch::camera::Frame;
 use tirtouch::figure::Figure;
-use tirtouch::pipeline::{Prepared, ReadAs, Session, Shot, ShotSummary};
-use tirtouch::progress::Observer;
-use tirtouch::trace::Outcome;
-
-/// A shot that owns what it was traced from.
-pub struct Taken {
-    pub prepared: Prepared,
-    outcome: Outcome,
-    pub frame: Frame,
-    suited: Suited,
-    mm_per_pixel: f64,
-    pub summary: ShotSummary,
-}
-
-impl Taken {
-    /// Traces the image and exposes it.
-    ///
-    /// # Errors
-    /// What the library says, of a scene of that file.
-    pub fn take(session: &Session, prepared: Prepared, scene: &Scene, observe: &mut Observer) -> Result<Self, Trouble> {
-        let shot = session.shoot(&prepared, observe).map_err(|error| Trouble::of_scene(error, &scene.file))?;
-        let summary = shot.summary();
-        let Shot { outcome, frame, suited, mm_per_pixel, .. } = shot;
-        Ok(Self { prepared, outcome, frame, suited, mm_per_pixel, summary })
-    }
-
-    /// The shot as the library knows it.
-    pub fn shot(&self) -> Shot<'_> {
-        Shot {
-            prepared: &self.prepared,
-            outcome: self.outcome.clone(),
-            frame: self.frame.clone(),
-            suited: self.suited,
-            mm_per_pixel: self.mm_per_pixel,
-        }
-    }
-}
+use tirtouch::pipeline::ReadAs;
 
 /// An image: radiance with its variance, the camera's frame of it, and where the light went.
 ///
@@ -231,4 +196,19 @@ impl Image {
         let Frame { width, height, .. } = self.taken.frame;
         format!("<tirtouch.Image of {:?}, {width} x {height} pixels>", self.taken.summary.scene)
     }
+}
+
+/// The images with what belongs to them, as Python holds them.
+pub fn images(
+    taken: Vec<Taken>,
+    scene: &Bound<'_, Scene>,
+    truth: &serde_json::Value,
+    baseline: Option<&Py<Image>>,
+) -> PyResult<Vec<Py<Image>>> {
+    let py = scene.py();
+    let image = |taken| {
+        let baseline = baseline.map(|baseline| baseline.clone_ref(py));
+        Py::new(py, Image::new(taken, scene.clone().unbind(), truth.clone(), baseline))
+    };
+    taken.into_iter().map(image).collect()
 }

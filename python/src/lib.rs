@@ -7,6 +7,7 @@
 
 mod arguments;
 mod array;
+mod calibrate;
 mod calibration;
 mod command_line;
 mod comparison;
@@ -24,7 +25,8 @@ mod scan;
 mod scene;
 mod session;
 mod sweep;
-mod sweep_results;
+mod sweep_status;
+mod taken;
 mod trouble;
 mod value;
 mod watch;
@@ -40,7 +42,9 @@ mod _tirtouch {
     use super::*;
 
     #[pymodule_export]
-    use super::calibration::{Calibration, Unknown, calibrate};
+    use super::calibrate::calibrate;
+    #[pymodule_export]
+    use super::calibration::{Calibration, Unknown};
     #[pymodule_export]
     use super::command_line::_command_line;
     #[pymodule_export]
@@ -70,9 +74,9 @@ mod _tirtouch {
     #[pymodule_export]
     use super::session::Session;
     #[pymodule_export]
-    use super::sweep::Sweep;
+    use super::sweep::{Sweep, SweepResults};
     #[pymodule_export]
-    use super::sweep_results::{SweepResults, SweepStatus};
+    use super::sweep_status::SweepStatus;
     #[pymodule_export]
     use super::value::Value;
 

@@ -9,8 +9,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
 use tirtouch::mechanics::kinematics::Kinematics;
-use tirtouch::mechanics::press::{ContactPoint, PressStep, Pressed};
-use tirtouch::pipeline::{PressSummary, StepSummary, Truth};
+use tirtouch::mechanics::path::PathError;
+use tirtouch::mechanics::press::{ContactPoint, PressError, PressStep, Pressed};
+use tirtouch::pipeline::{PipelineError, PressSummary, StepSummary, Truth};
 use tirtouch::scene::LoadedScene;
 
 /// A phantom pressed against its sensor, at each load.
@@ -28,6 +29,23 @@ impl Press {
         let loaded = scene.loaded.clone();
         let truth = truth_of(scene, without_inclusions)?;
         Ok(Self { pressed, loaded, truth })
+    }
+}
+
+/// Of a scene that was to be pressed: with the loads that a press reached which stopped early.
+pub fn stopped(error: PipelineError, scene: &Scene, without_inclusions: bool) -> Trouble {
+    let reached = match &error {
+        PipelineError::Press(PressError::Stopped { cause: PathError::Stopped, .. }) => None,
+        PipelineError::Press(PressError::Stopped { reached, .. }) => Some(Arc::new((**reached).clone())),
+        _ => None,
+    };
+    let object = |pressed| {
+        let press = Press::of(pressed, scene, without_inclusions)?;
+        Python::attach(|py| Ok::<_, Trouble>(Py::new(py, press)?.into_any()))
+    };
+    match (Trouble::of_scene(error, &scene.file), reached.map(object)) {
+        (Trouble::Said(failure, _), Some(Ok(press))) => Trouble::Press(failure, press),
+        (trouble, _) => trouble,
     }
 }
 

@@ -3,12 +3,12 @@
 use crate::arguments::{Asked, threshold_grey};
 use crate::calibration::Given;
 use crate::estimates::Estimates;
-use crate::image::{Image, Taken};
+use crate::image::{Image, images};
 use crate::json::{json, to_dict};
 use crate::press::{Press, truth};
 use crate::reading::Reading;
 use crate::scene::Scene;
-use crate::session::{images, prepared};
+use crate::taken::{Taken, baseline, earlier_loads, prepared};
 use crate::trouble::Trouble;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 use tirtouch::calibrate::{FrameModel, estimates_of};
 use tirtouch::estimate::GreyImage;
 use tirtouch::mechanics::press::{PressStep, Pressed};
-use tirtouch::pipeline::{EarlierFrame, Order, Prepared, ReadAs, RunSummary, Session};
+use tirtouch::pipeline::{EarlierFrame, Order, ReadAs, RunSummary, Session};
 use tirtouch::progress::Observer;
 
 /// Name of the frame without inclusions, as the command line writes it.
@@ -153,36 +153,4 @@ impl Found {
         let reading = Py::new(py, self.reading)?;
         Ok(Run { images, press, reading, estimates, summary: json(&self.summary)? })
     }
-}
-
-/// The load that is traced without inclusions.
-///
-/// # Errors
-/// What the library says.
-pub fn baseline(
-    session: &mut Session,
-    scene: &Scene,
-    prepared: &Prepared,
-    observe: &mut Observer,
-) -> Result<Taken, Trouble> {
-    let baseline = session.baseline(prepared, observe).map_err(|error| Trouble::of_scene(error, &scene.file))?;
-    Taken::take(session, baseline, scene, observe)
-}
-
-/// Images of the loads before the one that is prepared.
-///
-/// # Errors
-/// What the library says.
-pub fn earlier_loads(
-    session: &Session,
-    scene: &Scene,
-    prepared: &Prepared,
-    observe: &mut Observer,
-) -> Result<Vec<Taken>, Trouble> {
-    let last = prepared.press.as_ref().map_or(0, |(_, load)| *load);
-    let at = |load| {
-        let earlier = prepared.at_load(load).map_err(|error| Trouble::of_scene(error, &scene.file))?;
-        Taken::take(session, earlier, scene, observe)
-    };
-    (0..last).map(at).collect()
 }

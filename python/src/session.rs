@@ -2,11 +2,12 @@
 
 use crate::arguments::{Asked, backend, precision};
 use crate::calibration::Given;
-use crate::image::{Image, Taken};
+use crate::image::{Image, images};
 use crate::inspection::Inspection;
-use crate::press::{Press, truth_of};
-use crate::run::{self, Run, Wanted};
+use crate::press::{Press, stopped, truth_of};
+use crate::run::{Run, Wanted};
 use crate::scene::Scene;
+use crate::taken::{Taken, baseline, earlier_loads, prepared};
 use crate::trouble::Trouble;
 use crate::watch::watched;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -15,7 +16,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::{self, ThreadId};
 use std::time::Duration;
 use tirtouch::pages::inspection::Inspection as Seen;
-use tirtouch::pipeline::{self, Order, Prepared};
+use tirtouch::pipeline;
 use tirtouch::progress::Observer;
 use tirtouch::trace::{BackendChoice, Precision};
 
@@ -101,33 +102,6 @@ pub fn with_session<T: Send>(
     })
 }
 
-/// The scene, pressed where it presses, at its last load.
-pub fn prepared(
-    session: &mut pipeline::Session,
-    scene: &Scene,
-    order: &Order,
-    observe: &mut Observer,
-) -> Result<Prepared, Trouble> {
-    let without_inclusions = order.without_inclusions;
-    let of_press = |error| Trouble::of_press(error, scene, without_inclusions);
-    session.prepare(scene.loaded.clone(), order, observe).map_err(of_press)
-}
-
-/// The images with what belongs to them, as Python holds them.
-pub fn images(
-    taken: Vec<Taken>,
-    scene: &Bound<'_, Scene>,
-    truth: &serde_json::Value,
-    baseline: Option<&Py<Image>>,
-) -> PyResult<Vec<Py<Image>>> {
-    let py = scene.py();
-    let image = |taken| {
-        let baseline = baseline.map(|baseline| baseline.clone_ref(py));
-        Py::new(py, Image::new(taken, scene.clone().unbind(), truth.clone(), baseline))
-    };
-    taken.into_iter().map(image).collect()
-}
-
 // The options of a render are Python's keywords: each is an argument.
 #[allow(clippy::too_many_arguments)]
 #[pymethods]
@@ -170,7 +144,7 @@ impl Session {
         }
         let order = Asked { without_inclusions, ..Asked::default() }.order(scene.get())?;
         let pressed = self.work(scene, progress, |session, scene, observe| {
-            let of_press = |error| Trouble::of_press(error, scene, without_inclusions);
+            let of_press = |error| stopped(error, scene, without_inclusions);
             session.press(&scene.loaded, &order, observe).map_err(of_press)
         })?;
         Press::of(pressed, scene.get(), without_inclusions)
@@ -234,7 +208,7 @@ impl Session {
         let (image, other) = self.work(scene, progress, |session, scene, observe| {
             let prepared = prepared(session, scene, &order, observe)?;
             let other = match baseline {
-                true => Some(run::baseline(session, scene, &prepared, observe)?),
+                true => Some(self::baseline(session, scene, &prepared, observe)?),
                 false => None,
             };
             Ok((Taken::take(session, prepared, scene, observe)?, other))
@@ -270,7 +244,7 @@ impl Session {
         let order = asked.order(scene.get())?;
         let taken = self.work(scene, progress, |session, scene, observe| {
             let prepared = prepared(session, scene, &order, observe)?;
-            let mut taken = run::earlier_loads(session, scene, &prepared, observe)?;
+            let mut taken = earlier_loads(session, scene, &prepared, observe)?;
             taken.push(Taken::take(session, prepared, scene, observe)?);
             Ok(taken)
         })?;

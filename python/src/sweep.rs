@@ -4,17 +4,21 @@ use crate::COMMAND;
 use crate::json::{json, to_dict, to_table, to_value, without_nulls};
 use crate::scene::Scene;
 use crate::session::{Session, with_session};
-use crate::sweep_results::{SweepResults, SweepStatus, no_scene};
+use crate::sweep_status::SweepStatus;
 use crate::trouble::Trouble;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use numpy::PyArray1;
+use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
-use tirtouch::output::RESULT;
+use tirtouch::failure::Failure;
+use tirtouch::output::{RESULT, Records};
+use tirtouch::pages::sweep::{Points, points, write};
 use tirtouch::scene;
-use tirtouch::sweep::{self, Options, Shard, by_hand};
+use tirtouch::sweep::{self, NoScene, Options, Shard, Status, by_hand};
+use tirtouch::vary::Scalar;
 
 /// The copy of the scene in the folder of a sweep: what the sweep of a scene that is there already names.
 const SCENE: &str = "scene.toml";
@@ -208,7 +212,7 @@ impl Sweep {
             let records = sweep.enter(&folder, force, resume)?;
             let of_sweep = |error| Trouble::of_sweep(error, &folder);
             let computed = sweep::run(sweep, &records, session, options, observe).map_err(of_sweep)?;
-            let status = tirtouch::pages::sweep::write(sweep, &records, COMMAND)?;
+            let status = write(sweep, &records, COMMAND)?;
             let told = status.run_json(sweep, start.elapsed().as_secs_f64(), computed);
             let mut result = tirtouch::output::described(told.clone(), Some(&folder));
             result["command"] = serde_json::json!([COMMAND]);
@@ -245,6 +249,135 @@ impl Sweep {
         let base = base.get();
         let sweep = sweep::Sweep::of_scene(text, &file, (*base.loaded).clone(), base.file.clone())?;
         Ok(Self::of(sweep, file))
+    }
+}
+
+/// The folder of a sweep: what its records say, from whatever is there.
+#[pyclass(frozen, module = "tirtouch")]
+pub struct SweepResults {
+    sweep: Arc<sweep::Sweep>,
+    folder: PathBuf,
+    /// What the run said that made it.
+    told: Option<serde_json::Value>,
+}
+
+impl SweepResults {
+    pub fn of(sweep: Arc<sweep::Sweep>, folder: PathBuf, told: Option<serde_json::Value>) -> Self {
+        Self { sweep, folder, told }
+    }
+
+    /// The records, if they are of this sweep.
+    fn records(&self) -> Result<Records, Trouble> {
+        let (records, order) = Records::read(&self.folder)?;
+        match order == self.sweep.order() {
+            true => Ok(records),
+            false => {
+                let message = format!("{}: holds the records of another sweep", self.folder.display());
+                Err(Failure::input(message).in_file(&self.folder).into())
+            }
+        }
+    }
+
+    pub fn known_status(&self) -> Result<SweepStatus, Trouble> {
+        let status = Status::of(&self.sweep, &self.records()?);
+        Ok(SweepStatus { status, name: self.sweep.name.clone() })
+    }
+}
+
+#[pymethods]
+impl SweepResults {
+    /// The results of a folder that ``Sweep.run`` or ``tirtouch sweep run`` made.
+    ///
+    /// Raises TirtouchError for a folder of something else.
+    #[staticmethod]
+    fn open(folder: PathBuf) -> Result<Self, Trouble> {
+        let (sweep, _) = sweep::Sweep::of_folder(&folder)?;
+        Ok(Self::of(Arc::new(sweep), folder, None))
+    }
+
+    /// The folder.
+    #[getter]
+    fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The sweep.
+    #[getter]
+    fn sweep(&self) -> Sweep {
+        Sweep::of((*self.sweep).clone(), self.folder.join("sweep.toml"))
+    }
+
+    /// Time that the run took, s; None where it was not this one.
+    #[getter]
+    fn seconds(&self) -> Option<f64> {
+        self.told.as_ref()?.get("seconds")?.as_f64()
+    }
+
+    /// How far the sweep is.
+    ///
+    /// Raises TirtouchError for a folder without its records.
+    fn status(&self) -> Result<SweepStatus, Trouble> {
+        self.known_status()
+    }
+
+    /// All points in the order of the design, as columns of one length by the names of points.csv: ``row`` (int64, from
+    /// 0), ``status`` (``"done"``, ``"rejected"``, ``"failed"``, ``"missing"``), what varies by its names, each figure
+    /// with its ``_low`` and ``_high`` (95 %), ``relative_error``, ``note``. Numbers are float64, NaN where there is
+    /// none; columns of texts are lists, with None.
+    ///
+    /// Raises TirtouchError for a folder without records of the sweep.
+    fn points<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Trouble> {
+        let records = self.records()?;
+        let Points { head, rows } = py.detach(|| points(&self.sweep, &records));
+        let columns = PyDict::new(py);
+        for (k, name) in head.into_iter().enumerate() {
+            let cells: Vec<Option<&Scalar>> = rows.iter().map(|row| row.get(k).and_then(Option::as_ref)).collect();
+            let is_text = |cell: &Option<&Scalar>| matches!(cell, Some(Scalar::Text(_) | Scalar::Flag(_)));
+            if k == 0 {
+                columns.set_item(name, PyArray1::from_iter(py, 0..rows.len() as i64))?;
+            } else if ["status", "note"].contains(&name.as_str()) || cells.iter().any(is_text) {
+                let cells = cells.into_iter().map(|cell| python(py, cell)).collect::<PyResult<Vec<_>>>()?;
+                columns.set_item(name, cells)?;
+            } else {
+                let numbers = cells.into_iter().map(|cell| cell.and_then(Scalar::number).unwrap_or(f64::NAN));
+                columns.set_item(name, PyArray1::from_iter(py, numbers))?;
+            }
+        }
+        Ok(columns)
+    }
+
+    /// ``points`` as a pandas.DataFrame. Raises ImportError without pandas.
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("tirtouch._tables")?.call_method1("points_to_pandas", (slf,))
+    }
+
+    /// The scene of a point; ``row`` counts from 0.
+    ///
+    /// Raises IndexError for a row that there is not, SceneError for a point that makes no scene.
+    fn scene(&self, py: Python<'_>, row: usize) -> PyResult<Py<PyAny>> {
+        Ok(Bound::new(py, self.sweep())?.call_method1("scene", (row,))?.unbind())
+    }
+
+    /// Writes the tables and the report of whatever records the folder has.
+    ///
+    /// Raises TirtouchError for a folder without records of the sweep, or that cannot be written.
+    fn collect(&self, py: Python<'_>) -> Result<SweepStatus, Trouble> {
+        let records = self.records()?;
+        let status = py.detach(|| write(&self.sweep, &records, COMMAND))?;
+        Ok(SweepStatus { status, name: self.sweep.name.clone() })
+    }
+
+    /// What ``tirtouch sweep run --json`` says, less what is about files; what ``tirtouch sweep status --json`` says
+    /// where the run was not this one.
+    fn to_dict<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Trouble> {
+        match &self.told {
+            Some(told) => Ok(to_dict(py, told)?),
+            None => self.known_status()?.to_dict(py),
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<tirtouch.SweepResults of {:?} in {}>", self.sweep.name, self.folder.display())
     }
 }
 
@@ -288,7 +421,20 @@ fn measure(asked: &Bound<'_, PyAny>, number: usize) -> PyResult<toml::Value> {
     toml::Value::try_from(measure).map_err(|error| wrong(error.to_string()))
 }
 
-/// The name of a sweep's file in messages, where it has none of its own.
-pub fn file_in(folder: &Path) -> PathBuf {
-    folder.join("sweep.toml")
+/// Why there is no scene of a point.
+pub fn no_scene(error: &NoScene, file: &Path) -> Trouble {
+    let words = format!("{}: {error}", file.display());
+    match error {
+        NoScene::Row { .. } => PyIndexError::new_err(words).into(),
+        NoScene::Rejected { .. } => Trouble::scene(Failure::input(words).in_file(file)),
+    }
+}
+
+fn python<'py>(py: Python<'py>, cell: Option<&Scalar>) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match cell {
+        None => py.None().into_bound(py),
+        Some(Scalar::Text(text)) => text.into_pyobject(py)?.into_any(),
+        Some(Scalar::Flag(flag)) => flag.into_pyobject(py)?.to_owned().into_any(),
+        Some(Scalar::Number(number)) => number.into_pyobject(py)?.into_any(),
+    })
 }

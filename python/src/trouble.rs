@@ -1,17 +1,13 @@
 //! What goes wrong, as Python's exceptions.
 
-use crate::press::Press;
-use crate::scene::Scene;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 use std::path::Path;
-use std::sync::Arc;
 use tirtouch::calibrate::CalibrateError;
 use tirtouch::estimate::tissue::TissueError;
 use tirtouch::failure::{Failure, Kind};
 use tirtouch::image_io::ImageError;
 use tirtouch::mechanics::frames::scan::ScanError;
-use tirtouch::mechanics::path::PathError;
 use tirtouch::mechanics::press::PressError;
 use tirtouch::output::{OutputError, Remedy};
 use tirtouch::pages::PageError;
@@ -33,8 +29,8 @@ pub enum Class {
 /// What goes wrong: in the library, or in Python.
 pub enum Trouble {
     Said(Box<Failure>, Class),
-    /// A press that stopped early, with what it reached.
-    Press(Box<Failure>, Box<Press>),
+    /// A press that stopped early, with the Press of the loads that it reached.
+    Press(Box<Failure>, Py<PyAny>),
     Python(PyErr),
 }
 
@@ -49,21 +45,6 @@ impl Trouble {
             kind => of_kind(kind),
         };
         Self::Said(Box::new(failure), class)
-    }
-
-    /// Of a scene that was to be pressed: with the loads that a press reached which stopped early.
-    pub fn of_press(error: PipelineError, scene: &Scene, without_inclusions: bool) -> Self {
-        let reached = match &error {
-            PipelineError::Press(PressError::Stopped { cause: PathError::Stopped, .. }) => None,
-            PipelineError::Press(PressError::Stopped { reached, .. }) => Some(Arc::new((**reached).clone())),
-            _ => None,
-        };
-        let trouble = Self::of_scene(error, &scene.file);
-        let press = reached.and_then(|reached| Press::of(reached, scene, without_inclusions).ok());
-        match (trouble, press) {
-            (Self::Said(failure, _), Some(press)) => Self::Press(failure, Box::new(press)),
-            (trouble, _) => trouble,
-        }
     }
 
     /// Of a sweep in that folder.
@@ -201,7 +182,7 @@ impl From<Trouble> for PyErr {
                 Python::attach(|py| exception(py, &failure, class, None).unwrap_or_else(|error| error))
             }
             Trouble::Press(failure, press) => {
-                Python::attach(|py| exception(py, &failure, Class::Press, Some(*press)).unwrap_or_else(|error| error))
+                Python::attach(|py| exception(py, &failure, Class::Press, Some(press)).unwrap_or_else(|error| error))
             }
         }
     }
@@ -217,7 +198,7 @@ fn is_device(error: &TraceError) -> bool {
     matches!(error, NoAdapter | DeviceLost(_) | Memory { .. } | Driver(_) | CutShort { .. })
 }
 
-fn exception(py: Python<'_>, failure: &Failure, class: Class, reached: Option<Press>) -> PyResult<PyErr> {
+fn exception(py: Python<'_>, failure: &Failure, class: Class, reached: Option<Py<PyAny>>) -> PyResult<PyErr> {
     let name = match class {
         Class::Error => "TirtouchError",
         Class::Scene => "SceneError",
@@ -234,7 +215,7 @@ fn exception(py: Python<'_>, failure: &Failure, class: Class, reached: Option<Pr
     place.set_item("line", line)?;
     place.set_item("key", key)?;
     if let Some(reached) = reached {
-        place.set_item("reached", Py::new(py, reached)?)?;
+        place.set_item("reached", reached)?;
     }
     let said = failure.json();
     let others = said["errors"].as_array().into_iter().flatten().skip(1);

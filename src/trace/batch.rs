@@ -1,12 +1,13 @@
 //! Replicates: independent estimates of the whole image, traced in chunks of well under a second.
 
 use super::backend::Backend;
-use super::cpu::{UNIT, book, camera::FILM_UNIT, photons::DEPOSIT_UNIT, random::pcg3d};
+use super::cpu::{UNIT, book, camera::FILM_UNIT, photons::DEPOSIT_UNIT};
 use super::error::TraceError;
 use super::exitance::{ContactLight, Smoothing, TouchedFace};
 use super::kernel::Kernel;
 use super::model::Model;
 use super::modes::{CameraMode, Fates, PhotonMode};
+use super::pcg::pcg3d;
 use super::plan::Integrator;
 use super::unfold::direct_light;
 use crate::film::Ledger;

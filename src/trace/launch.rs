@@ -6,7 +6,7 @@
 //! numbers are Vegdahl's, 2021). Photon (a, b) of thread a is point a + 2^14 b, so that those which are added later go
 //! on where the others ended. docs/decisions/launch.md has what this is worth.
 
-use super::cpu::random::pcg3d;
+use super::pcg::pcg3d;
 use std::fmt::Write as _;
 
 /// The choice of the LED: the first coordinate, whose points are the numbers themselves with their bits reversed.

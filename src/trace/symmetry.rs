@@ -7,18 +7,11 @@
 //!
 //! Camera paths are traced for all pixels (docs/decisions/symmetry.md).
 
-use super::disc::Disc;
-use super::leds::Led;
-use super::model::{Deformation, Heights, Model};
-
-/// How far numbers of a place and its image may be apart, as a share of the largest: the rounding of f32.
-const ALIKE: f64 = 1e-7;
-
 /// What (x, y) goes to: which of both is turned about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Move([bool; 2]);
+pub(super) struct Move(pub(super) [bool; 2]);
 
-const STILL: Move = Move([false; 2]);
+pub(super) const STILL: Move = Move([false; 2]);
 const ACROSS: Move = Move([true, false]);
 const DOWN: Move = Move([false, true]);
 const ABOUT: Move = Move([true; 2]);
@@ -35,9 +28,9 @@ impl Symmetry {
         Self { moves: vec![STILL] }
     }
 
-    /// Those of a model.
-    pub fn of(model: &Model<f64>) -> Self {
-        Self { moves: [STILL, ACROSS, DOWN, ABOUT].into_iter().filter(|one| one.leaves(model)).collect() }
+    /// Those of the moves that leave something as it is.
+    pub(super) fn under(leaves: impl Fn(Move) -> bool) -> Self {
+        Self { moves: [STILL, ACROSS, DOWN, ABOUT].into_iter().filter(|one| leaves(*one)).collect() }
     }
 
     /// How many there are.
@@ -100,126 +93,24 @@ impl Part {
 }
 
 impl Move {
-    fn point(self, at: [f64; 2]) -> [f64; 2] {
+    pub(super) fn point(self, at: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| if self.0[axis] { -at[axis] } else { at[axis] })
     }
 
     /// The cell that one goes to, of a grid about the axis.
-    fn cell(self, at: [usize; 2], size: [usize; 2]) -> [usize; 2] {
+    pub(super) fn cell(self, at: [usize; 2], size: [usize; 2]) -> [usize; 2] {
         [0, 1].map(|axis| if self.0[axis] { size[axis].saturating_sub(at[axis] + 1) } else { at[axis] })
     }
-
-    /// The LED that one is moved to.
-    fn led(self, led: &Led<f64>) -> Led<f64> {
-        let (across, along) = if led.wall < 2 { (0, 1) } else { (1, 0) };
-        let wall = led.wall ^ u32::from(self.0[across]);
-        Led { wall, along: if self.0[along] { -led.along } else { led.along }, ..*led }
-    }
-
-    /// Whether a model is its own image.
-    fn leaves(self, model: &Model<f64>) -> bool {
-        let holds = |center: [f64; 2]| alike(&center, &self.point(center));
-        let shape = match &model.shape {
-            Deformation::Plane => true,
-            Deformation::Cap(cap) => holds(cap.center),
-            Deformation::Field(field) => {
-                holds(field.center)
-                    && match &field.heights {
-                        Heights::Profile { .. } => true,
-                        Heights::Grid { size, control, .. } => {
-                            control.iter().all(|heights| self.leaves_grid(heights, size.map(|edge| edge + 2)))
-                        }
-                    }
-            }
-            Deformation::Mesh(_) => self == STILL,
-        };
-        let tissue = model.tissue.as_ref().is_none_or(|tissue| {
-            tissue.disc.is_none_or(|Disc { center, .. }| holds(center))
-                && (tissue.grid.is_empty() || self.leaves_grid(&tissue.grid, tissue.grid_size))
-        });
-        let count = |wanted: &Led<f64>, of: fn(Self, &Led<f64>) -> Led<f64>| {
-            model.leds.iter().filter(|led| same(&of(self, led), wanted)).count()
-        };
-        let leds = model.leds.iter().all(|led| {
-            let plain = led.table.is_none() || self == STILL;
-            plain && count(led, |_, led| *led) == count(led, Self::led)
-        });
-        shape && tissue && leds
-    }
-
-    /// Whether numbers of a grid about the axis are their own images.
-    fn leaves_grid(self, cells: &[f64], size: [usize; 2]) -> bool {
-        let image = |k: usize| {
-            let [column, row] = self.cell([k % size[0], k / size[0]], size);
-            cells.get(row * size[0] + column).copied().unwrap_or(f64::NAN)
-        };
-        let images: Vec<f64> = (0..cells.len()).map(image).collect();
-        alike(cells, &images)
-    }
-}
-
-/// Whether numbers are alike, for their largest.
-fn alike(one: &[f64], other: &[f64]) -> bool {
-    let largest = one.iter().fold(0.0, |largest: f64, v| largest.max(v.abs()));
-    one.iter().zip(other).all(|(a, b)| (a - b).abs() <= ALIKE * largest)
-}
-
-/// Whether two LEDs are one, but for their places in tables of all.
-fn same(one: &Led<f64>, other: &Led<f64>) -> bool {
-    let numbers = |led: &Led<f64>| [led.height, led.radius, led.gap, led.radiance, led.exponent, led.cos_cutoff];
-    let pairs = numbers(one).into_iter().zip(numbers(other));
-    one.wall == other.wall
-        && one.air == other.air
-        && one.table == other.table
-        && (one.along - other.along).abs() <= ALIKE * one.radius
-        && pairs.into_iter().all(|(a, b)| (a - b).abs() <= ALIKE * a.abs())
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::scene::{LoadedScene, preset};
-
-    fn model(loaded: &LoadedScene) -> Model<f64> {
-        let shape = crate::surface::surface(loaded).unwrap();
-        Model::new(loaded, &shape, crate::surface::contact_map(loaded).unwrap()).unwrap()
-    }
-
-    fn order(loaded: &LoadedScene) -> u32 {
-        model(loaded).symmetry.order()
-    }
-
-    /// The scene of four LEDs with one thing changed at a time, and what is left of its four symmetries.
-    #[test]
-    fn what_is_changed_takes_the_symmetries_that_it_breaks() {
-        let whole = preset("contact-disc").unwrap();
-        assert_eq!((order(&whole), whole.scene.led.len()), (4, 4));
-        let with = |change: fn(&mut LoadedScene)| {
-            let mut loaded = whole.clone();
-            change(&mut loaded);
-            order(&loaded)
-        };
-        // One LED brighter: its own mirror plane. All four moved the same way round: half a turn. One that is not in
-        // the middle: none.
-        assert_eq!(with(|loaded| loaded.scene.led[0].radiance_w_per_m2_sr = Some(1.1)), 2);
-        assert_eq!(with(|loaded| drop(loaded.scene.led.drain(2..))), 4);
-        assert_eq!(
-            with(|loaded| {
-                let along = [1.0, -1.0, -1.0, 1.0];
-                loaded.scene.led.iter_mut().zip(along).for_each(|(led, along)| led.along_mm = along);
-            }),
-            2
-        );
-        assert_eq!(with(|loaded| loaded.scene.led[0].along_mm = 1.0), 1);
-        assert_eq!(with(|loaded| loaded.scene.stack.footprint_mm = [30.0, 32.0]), 4);
-        assert_eq!(with(|loaded| loaded.scene.render.symmetry = false), 1);
-    }
 
     #[test]
     fn a_folded_map_is_its_own_image_and_keeps_its_sum() {
         let number = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) % 1009);
-        let all = Symmetry::of(&model(&preset("contact-disc").unwrap()));
+        let all = Symmetry::under(|_| true);
         for (size, cells) in [([6, 6], 9), ([5, 5], 25), ([6, 4], 6), ([5, 4], 10)] {
             let field: Vec<f64> = (0..(size[0] * size[1]) as u32).map(number).collect();
             let part = all.part(size);

@@ -1,6 +1,6 @@
 //! What lies between the page and the painter: the scene that is wished for, and what there is to see.
 
-use super::painter::Look;
+use super::look::Look;
 use crate::scene::{Invalid, LoadedScene, SceneError, at_its_place};
 use crate::vary::{self, Set};
 use serde::Serialize;

@@ -13,6 +13,7 @@
 
 mod desk;
 mod knob;
+mod look;
 mod painter;
 mod rungs;
 mod server;
@@ -21,7 +22,8 @@ mod tokens;
 
 pub use desk::{Desk, Seen};
 pub use knob::{Knob, Span};
-pub use painter::{Look, paint};
+pub use look::Look;
+pub use painter::paint;
 pub use server::{Server, ViewError};
 pub use tev::{Tev, TevError};
 

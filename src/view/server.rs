@@ -228,7 +228,7 @@ fn told(desk: &Desk, seen: &Seen) -> Value {
     told
 }
 
-fn look(desk: &Desk, answer: impl FnOnce(&super::painter::Look) -> Answer) -> Answer {
+fn look(desk: &Desk, answer: impl FnOnce(&super::look::Look) -> Answer) -> Answer {
     let look = desk.seen().borrow().look.clone();
     look.map_or_else(|| plain(StatusCode::NOT_FOUND, "there is no image yet"), |look| answer(&look))
 }
