@@ -26,7 +26,7 @@ use tirtouch::mechanics::mesh::{
 use tirtouch::mechanics::newton::{LinearSolver, Solver};
 use tirtouch::mechanics::path::follow;
 use tirtouch::mechanics::press::{
-    Assembly, ContactPoint, Load, PressSettings, SensorBody, Setup, contact_points, press,
+    Assembly, ContactPoint, Load, PressSettings, SensorBody, Setup, TIME_STEPS, contact_points, press,
 };
 use tirtouch::mechanics::problem::{Problem, Support};
 
@@ -156,6 +156,7 @@ impl Tied {
             load: Load::Depths(vec![self.press]),
             seconds_per_mm: None,
             hold_s: 0.0,
+            time_steps: TIME_STEPS,
             tilt_deg: [0.0; 2],
         })
     }

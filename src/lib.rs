@@ -50,4 +50,5 @@ pub mod surface;
 pub mod sweep;
 pub mod trace;
 pub mod vary;
+pub mod version;
 pub mod view;

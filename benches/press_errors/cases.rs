@@ -8,7 +8,7 @@ use tirtouch::mechanics::element::PressureOrder;
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::Material;
 use tirtouch::mechanics::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Resolution, Star};
-use tirtouch::mechanics::press::{Load, SensorBody, Setup};
+use tirtouch::mechanics::press::{Load, SensorBody, Setup, TIME_STEPS};
 
 /// A press with what the study knows of it.
 pub struct Case {
@@ -162,6 +162,7 @@ impl Case {
             load: Load::Depths(vec![depth_mm]),
             seconds_per_mm: None,
             hold_s: 0.0,
+            time_steps: TIME_STEPS,
             tilt_deg: [0.0; 2],
         };
         let words = format!(

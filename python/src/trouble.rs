@@ -139,6 +139,7 @@ impl From<OutputError> for Trouble {
             OutputError::Refused { remedy: Remedy::GoOn, .. } => {
                 "; resume=True goes on with it, force=True replaces it"
             }
+            OutputError::Refused { remedy: Remedy::Elsewhere, .. } => "; choose another folder",
             _ => return Failure::from(error).into(),
         };
         let words = format!("{error}{help}");

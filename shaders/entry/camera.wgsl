@@ -78,7 +78,7 @@ fn camera_path(pixel: u32) -> f32 {
     return light + path.weight * light_at_end(end);
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(WORKGROUP)
 fn camera(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= run.count) { return; }
     read_scene();

@@ -30,7 +30,7 @@ fn enters_lens() -> bool {
     return dot(at, at) <= scene.lens_radius * scene.lens_radius;
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(WORKGROUP)
 fn photons(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= run.count) { return; }
     read_scene();

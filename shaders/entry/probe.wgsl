@@ -14,7 +14,7 @@ fn book_segment() {}
 fn input(row: u32, k: u32) -> f32 { return led_tables[(row * WORDS_IN + k) / 2u][k % 2u]; }
 fn put(row: u32, k: u32, v: f32) { events[row * EVENTS + k] = bitcast<u32>(v); }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(WORKGROUP)
 fn probe(@builtin(global_invocation_id) id: vec3u) {
     let row = id.x;
     if (row >= run.count) { return; }

@@ -33,7 +33,7 @@ fn splat(xy: vec2f, w: f32, mu_i: f32) {
     var s = r / (scene.camera_distance / n_0 + face_z(scene.layer_count) / layer_n(1));
     if (s >= high) { s = 0.5 * high; }
     var slope = 0.0;
-    for (var it = 0u; it < 24u; it += 1u) {
+    for (var it = 0u; it < SPLAT_STEPS; it += 1u) {
         let c_0 = sqrt(n_0 * n_0 - s * s);
         var reach = scene.camera_distance * s / c_0;
         slope = scene.camera_distance * n_0 * n_0 / (c_0 * c_0 * c_0);

@@ -45,6 +45,7 @@ pub(super) fn whole_job(
     let given = reading.reference(&job.loaded.scene.camera)?;
     let prepared = job.prepare()?;
     let scene = prepared.scene();
+    let truth = Truth::of(scene.phantom.as_ref(), &job.loaded.files, common.without_inclusions)?;
     let reference = match reading.subtract_baseline {
         true => Some(baseline(&mut job, &prepared, &folder)?),
         false => given,
@@ -57,7 +58,6 @@ pub(super) fn whole_job(
         frames.push((step.depth_mm, GreyImage::from_frame(&shot.frame)?));
     }
     figures.estimates = estimates_of(model.as_ref(), &job.loaded, &frames);
-    let truth = Truth::of(scene.phantom.as_ref(), &job.loaded.files, common.without_inclusions)?;
     let reference = reading.reference_name();
     let page = pages::run::Run {
         shot: &shot,

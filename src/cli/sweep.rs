@@ -169,7 +169,7 @@ impl How {
         let resume = self.resume || there.is_some();
         if self.engine == Engine::Slurm {
             let (records, tasks, said) = self.job(sweep, &place, resume)?;
-            let mut result = Status::of(sweep, &records).json(sweep);
+            let mut result = Status::of(sweep, &records).run_json(sweep, start.elapsed().as_secs_f64(), 0);
             (result["tasks"], result["sent"]) = (json!(tasks), json!(self.submit));
             return self.talk.tell(described(result, Some(&place)), said);
         }

@@ -78,7 +78,8 @@ impl Climb<'_> {
             "shrink": shrink,
             "seed": self.settings.seed,
             "backend": if self.devices.is_gpu() { "Gpu" } else { "Cpu" },
-            "version": env!("CARGO_PKG_VERSION"),
+            "version": crate::version::VERSION,
+            "sources": crate::version::SOURCES,
         })
     }
 

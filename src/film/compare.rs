@@ -22,72 +22,27 @@
 //!   replicate by replicate as well (`paired.rs`).
 
 pub(super) mod cells;
+mod error;
 mod exact;
 mod paired;
+mod ratio;
 
 use super::blocks::{BlockLevel, EDGES};
 use super::{Correlation, Film, tails};
 use crate::figure::Figure;
 use cells::{Cells, Tested, ratio, test_cell};
+pub use error::CompareError;
 pub use exact::{Deviation, Deviations, Tolerance, deviations};
 pub use paired::Paired;
+use ratio::or_undefined;
+pub use ratio::{MIN_CONTRIBUTIONS, ROUNDING, Ratio};
 use serde::{Serialize, Serializer};
 use std::borrow::Cow;
-use thiserror::Error;
-
-/// Contributions of light a cell needs in each film to be tested by itself.
-pub const MIN_CONTRIBUTIONS: f64 = 100.0;
-
-/// Relative rounding of a radiance computed in f32: a path multiplies some tens of factors, each off by up to an ulp
-/// of 2^-23.
-pub const ROUNDING: f64 = 1.0 / 262_144.0;
 
 /// How far the mean square of the deviates may exceed 1 before it counts. Welch's approximation, skewed light and the
 /// choice of cells shift it by up to 0.01 (115,200 pixels of 16 replicates, normal and Poisson of 100 to 320
 /// contributions: 0.985 to 1.005), and so many pixels would see 0.02.
 const SQUARES_SLACK: f64 = 1.03;
-
-/// Why two films cannot be compared.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum CompareError {
-    /// Their sizes differ.
-    #[error("the first is {}x{} pixels, the second {}x{}", .first[0], .first[1], .second[0], .second[1])]
-    Size {
-        /// Columns and rows of the first film.
-        first: [u32; 2],
-        /// Columns and rows of the second film.
-        second: [u32; 2],
-    },
-    /// Without two replicates a film has no variance.
-    #[error("the {film} film has one replicate and so no variance; render at least two")]
-    OneReplicate {
-        /// Which: `first` or `second`.
-        film: &'static str,
-    },
-    /// A value that no film can have.
-    #[error("the {film} film has the {what} {value} at cell {index}; it must be {right}")]
-    Value {
-        /// Which: `first` or `second`.
-        film: &'static str,
-        /// `mean` or `variance`.
-        what: &'static str,
-        /// The value.
-        value: f32,
-        /// Its place, row-major.
-        index: usize,
-        /// What would be right.
-        right: &'static str,
-    },
-    /// Its arrays do not fit its size.
-    #[error("the {film} film's arrays do not fit its size")]
-    Shape {
-        /// Which: `first` or `second`.
-        film: &'static str,
-    },
-    /// The level is no probability.
-    #[error("the level {0} must lie between 0 and 1")]
-    Level(f64),
-}
 
 /// What the comparison found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -118,17 +73,6 @@ fn or_not_shared<S: Serializer>(paired: &Option<Paired>, serializer: S) -> Resul
     Figure::of(*paired, "the images do not share their random numbers, or do not say").serialize(serializer)
 }
 
-/// A ratio of two means and its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Ratio {
-    /// The ratio.
-    pub value: f64,
-    /// Lower end of the interval.
-    pub low: f64,
-    /// Upper end of the interval.
-    pub high: f64,
-}
-
 /// The test of one level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LevelTest {
@@ -155,14 +99,6 @@ pub struct LevelTest {
     /// That cell's place, row-major from 0.
     #[serde(serialize_with = "or_undefined")]
     pub median_cell: Option<usize>,
-}
-
-/// As a number, or as the reason why there is none.
-fn or_undefined<T: Serialize, S: Serializer>(value: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
-    match value {
-        Some(value) => value.serialize(serializer),
-        None => serializer.collect_map([("undefined", "too little light to test")]),
-    }
 }
 
 /// Compares two films at a family-wise `level` (chance of a false alarm, over all tests together).

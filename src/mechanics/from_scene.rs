@@ -5,7 +5,7 @@ use super::element::PressureOrder;
 use super::kinematics::Kinematics;
 use super::material::{Law, Material, MaterialError, OgdenTerm, Prony};
 use super::mesh::{Footprint, InclusionShape, PhantomMesh, PhantomShape, Resolution, Star};
-use super::press::{Cost, Load, Pose, PressError, SensorBody, Setup};
+use super::press::{Cost, Load, Pose, PressError, SensorBody, Setup, TIME_STEPS};
 use crate::scene::{
     DataFileError, Dimensions, Elastic, FaceOutline, Inclusion, InclusionBody, Indenter, Inputs, Interface,
     LoadedScene, Phantom, PhantomBody, Press, PressStep, PressedSensor, Stack, TriangleMesh, read_indenter_table,
@@ -186,6 +186,7 @@ pub fn press_setup(loaded: &LoadedScene) -> Result<Setup, PressError> {
         },
         seconds_per_mm: press.rate_mm_per_s.map(|rate| 1.0 / rate),
         hold_s: press.hold_s,
+        time_steps: TIME_STEPS,
         tilt_deg: press.tilt_deg,
     })
 }

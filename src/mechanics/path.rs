@@ -44,8 +44,6 @@ pub enum PathError {
 const SHORTEST: f64 = 1.0 / 1024.0;
 /// Growth of the step after one that took few iterations, and after any other.
 const GROWTH: [f64; 2] = [2.0, 1.25];
-/// Least number of steps where faces rub: the path matters there.
-const RUBBING_STEPS: f64 = 10.0;
 /// First step of faces that slide, as a share of the longest: all of the face is then still to find.
 const FIRST: f64 = 0.25;
 /// Steps, as a share of the longest asked one, that are tried with damping where they fail without. Longer ones are
@@ -71,7 +69,7 @@ pub fn follow(
     for &target in loads {
         let whole = target - state.load;
         let slides = solver.problem().slides();
-        let longest = if solver.problem().rubs() { whole / RUBBING_STEPS } else { whole };
+        let longest = whole / solver.problem().steps_a_load() as f64;
         let mut step = if slides && state.load == 0.0 { longest.min(FIRST * whole) } else { longest };
         while state.load < target {
             if !observe(state.load) {

@@ -350,13 +350,21 @@ mod tests {
             }
         }
         let expected: [f64; 7] = std::array::from_fn(|k| k as f64 - 2.5);
-        let mut vector: Vec<f64> =
-            dense.iter().map(|row| row.iter().zip(&expected).map(|(a, x)| a * x).sum()).collect();
+        let right: Vec<f64> = dense.iter().map(|row| row.iter().zip(&expected).map(|(a, x)| a * x).sum()).collect();
+        let off = |matrix: &mut SparseLdl| {
+            let mut vector = right.clone();
+            matrix.solve(&mut vector);
+            vector.iter().zip(expected).map(|(x, expected)| (x - expected).abs()).fold(0.0, f64::max)
+        };
         matrix.factorize().unwrap();
-        matrix.solve(&mut vector);
-        for (x, expected) in vector.iter().zip(expected) {
-            assert!((x - expected).abs() < 1e-13, "{x} {expected}");
-        }
+        assert!(off(&mut matrix) < 1e-13);
+        // The factor of a matrix that has changed since is no factor of it.
+        matrix.values.iter_mut().for_each(|value| *value *= 1.5);
+        matrix.factorize().unwrap();
+        matrix.values.iter_mut().for_each(|value| *value /= 1.5);
+        assert!(off(&mut matrix) > 0.1);
+        matrix.factorize().unwrap();
+        assert!(off(&mut matrix) < 1e-13);
     }
 
     #[test]

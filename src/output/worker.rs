@@ -198,7 +198,9 @@ fn host_of(worker: &str) -> Option<&str> {
 
 /// This machine's name, as far as a file name can hold it.
 fn host() -> String {
-    let named = std::fs::read_to_string("/etc/hostname").ok().or_else(|| std::env::var("HOSTNAME").ok());
+    let named =
+        ["/proc/sys/kernel/hostname", "/etc/hostname"].iter().find_map(|file| std::fs::read_to_string(file).ok());
+    let named = named.or_else(|| std::env::var("HOSTNAME").ok());
     let plain = |name: String| -> String {
         name.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '-').take(40).collect()
     };

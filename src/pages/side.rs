@@ -35,7 +35,7 @@ pub fn side_picture(prepared: &Prepared, seed: u32) -> Result<String, PageError>
     let contact_mm = contact_stretches(&contact_profile(&prepared.model, PLACES));
     let rays = chosen(prepared, sample_rays(&prepared.model, SAMPLED, seed), &contact_mm);
     let leds = leds_in_section(&prepared.model).into_iter().map(|(led, half_chord)| SideLed {
-        x_mm: (half_width_mm + led.gap) * if led.wall == 0 { 1.0 } else { -1.0 },
+        x_mm: (half_width_mm + led.gap) * if led.wall.is_low() { -1.0 } else { 1.0 },
         z_mm: led.height,
         diameter_mm: 2.0 * half_chord,
     });

@@ -25,7 +25,7 @@ pub enum PipelineError {
     #[error(transparent)]
     Image(#[from] GreyImageError),
     /// An indenter presses in the sensor's place: there is no light.
-    #[error("press.indenter: an indenter guides no light; `tirtouch press` presses it")]
+    #[error("press.indenter: an indenter guides no light; it is for presses alone")]
     NoLight,
     /// The press has no such load.
     #[error("load {load} (counted from 0) of a press that has {of}")]

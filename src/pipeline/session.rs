@@ -7,6 +7,7 @@ use crate::progress::Observer;
 use crate::scene::{LoadedScene, sha256};
 use crate::streams::{Role, Streams};
 use crate::trace::{BackendChoice, Devices, Precision, TraceError};
+use crate::version::SOURCES;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -53,7 +54,7 @@ fn shelved(
     observe: &mut Observer,
 ) -> Result<Pressed, PressError> {
     let from = near.map(|near| (&near.setup, near.steps.iter().any(|step| step.error.is_some())));
-    let whole = format!("{} {:?} {setup:?} from {from:?}", env!("CARGO_PKG_VERSION"), settings);
+    let whole = format!("{SOURCES} {settings:?} {setup:?} from {from:?}");
     let name = format!("press-{:.32}", sha256(whole.as_bytes()));
     if let Some(found) = shelf.find(&name, observe).and_then(|findings| Pressed::of_findings(setup, findings)) {
         return Ok(found);
@@ -174,14 +175,9 @@ impl Session {
         prepared: &Prepared,
         observe: &mut Observer,
     ) -> Result<Prepared, PipelineError> {
-        let (Some((pressed, step)), Some((from, _))) = (prepared.pressed(), &prepared.press) else {
-            return Err(PipelineError::NoBaseline);
-        };
-        // The traced load, at the depth that it reached, or the steps that lead to it.
-        let load = match (&pressed.setup.load, &prepared.press) {
-            (Load::Path(poses), Some((_, load))) => Load::Path(poses.iter().take(load + 1).copied().collect()),
-            _ => Load::Depths(vec![step.depth_mm]),
-        };
+        let Some((from, load)) = &prepared.press else { return Err(PipelineError::NoBaseline) };
+        let pressed = &**from;
+        let (load, at) = load_of_baseline(pressed, *load);
         let setup = Setup { load, ..pressed.setup.without_inclusions() };
         let same = |(kept, start, _): &&(Setup, Arc<Pressed>, Arc<Pressed>)| *kept == setup && Arc::ptr_eq(start, from);
         let baseline = match self.baselines.iter().find(same) {
@@ -195,8 +191,7 @@ impl Session {
             }
         };
         let streams = Streams { role: Role::Baseline, ..prepared.streams.clone() };
-        let last = baseline.steps.len().saturating_sub(1);
-        Prepared::new(prepared.loaded.clone(), Some((baseline, last)), prepared.settings.clone(), streams)
+        Prepared::new(prepared.loaded.clone(), Some((baseline, at)), prepared.settings.clone(), streams)
     }
 
     /// Traces the image and exposes it.
@@ -226,6 +221,19 @@ pub(crate) fn guides_light(loaded: &LoadedScene) -> Result<(), PipelineError> {
         Some(press) if press.indenter.is_some() => Err(PipelineError::NoLight),
         _ => Ok(()),
     }
+}
+
+/// What brings a phantom without its inclusions to a load of a press, and which of its loads that is: the depth that
+/// was reached, with all that came before it where the way counts, and with the last where it turns on its way.
+fn load_of_baseline(pressed: &Pressed, load: usize) -> (Load, usize) {
+    if let Load::Path(poses) = &pressed.setup.load {
+        return (Load::Path(poses.iter().take(load + 1).copied().collect()), load);
+    }
+    let first = if pressed.assembly.problem.way_counts() { 0 } else { load };
+    let turns = pressed.setup.tilt_deg != [0.0; 2];
+    let depths = pressed.steps.iter().map(|step| step.depth_mm).enumerate();
+    let wanted = depths.filter(|(k, _)| *k >= first && (turns || *k <= load));
+    (Load::Depths(wanted.map(|(_, depth)| depth).collect()), load - first)
 }
 
 /// The press that an order asks for.

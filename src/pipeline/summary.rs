@@ -12,6 +12,7 @@ use crate::mechanics::press::{Load, PressStep, Pressed, PressureError, Setup};
 use crate::trace::Outcome;
 use crate::trace::batch::Times;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -375,8 +376,7 @@ impl PressSummary {
     /// Of a press.
     pub fn of(pressed: &Pressed) -> Self {
         let quality = pressed.assembly.problem.mesh.quality();
-        let estimated = pressed.error_seconds > 0.0;
-        let steps: Vec<_> = pressed.steps.iter().map(|step| StepSummary::of(step, estimated)).collect();
+        let steps: Vec<_> = pressed.steps.iter().map(|step| StepSummary::of(pressed, step)).collect();
         Self {
             last: steps.last().cloned(),
             setting: setting(&pressed.setup),
@@ -394,23 +394,24 @@ impl PressSummary {
 }
 
 impl StepSummary {
-    /// Of a load; `estimated`: whether errors were to be.
-    pub(crate) fn of(step: &PressStep, estimated: bool) -> Self {
-        let without = match (estimated, step.force_n) {
-            (false, _) => "press.estimate_error is off",
-            (true, 0.0) => "nothing is borne, of which an error were a share",
-            (true, _) => "the coarser mesh that estimates it does not reach this load",
+    /// Of one of its loads.
+    pub(crate) fn of(pressed: &Pressed, step: &PressStep) -> Self {
+        let without: Cow<'static, str> = match (&pressed.unestimated, pressed.error_seconds > 0.0, step.force_n) {
+            (_, false, _) => "press.estimate_error is off".into(),
+            (Some(why), ..) => format!("the coarser mesh that estimates it cannot be made: {why}").into(),
+            (_, _, 0.0) => "nothing is borne, of which an error were a share".into(),
+            _ => "the coarser mesh that estimates it does not reach this load".into(),
         };
         let sharp = "no flat rigid sensor with a rounded edge slides, or its arc takes half of the face";
         let rounding = step.error.and_then(|error| error.rounding);
         let bends = "the pressure is singular where the indenter's profile bends: its peak has no limit";
         let unresolved = "the elements do not resolve the contact: a higher press.resolution does";
-        let share = |share: Option<f64>, without: &'static str| match share {
+        let share = |share: Option<f64>, without: &Cow<'static, str>| match share {
             Some(share) => Figure::of(PressureError::resolved(share), unresolved),
-            None => Figure::undefined(without),
+            None => Figure::undefined(without.clone()),
         };
-        let without_peak = if step.error.is_some() { bends } else { without };
-        let without_rounding = if step.error.is_some() { sharp } else { without };
+        let otherwise = |known: &'static str| if step.error.is_some() { known.into() } else { without.clone() };
+        let (without_peak, without_rounding) = (otherwise(bends), otherwise(sharp));
         Self {
             depth_mm: step.depth_mm,
             slide_mm: step.slide_mm,
@@ -418,10 +419,10 @@ impl StepSummary {
             force_n: step.force_n,
             peak_pressure_kpa: step.peak_pressure_kpa,
             peak_at_mm: step.peak_at_mm,
-            pressure_error: share(step.error.map(|error| error.rms), without),
-            peak_error: share(step.error.and_then(|error| error.peak), without_peak),
-            force_error: share(step.error.map(|error| error.force), without),
-            pressure_rounding: Figure::of(rounding.map(|rounding| rounding.rms), without_rounding),
+            pressure_error: share(step.error.map(|error| error.rms), &without),
+            peak_error: share(step.error.and_then(|error| error.peak), &without_peak),
+            force_error: share(step.error.map(|error| error.force), &without),
+            pressure_rounding: Figure::of(rounding.map(|rounding| rounding.rms), without_rounding.clone()),
             force_rounding: Figure::of(rounding.map(|rounding| rounding.force), without_rounding),
         }
     }

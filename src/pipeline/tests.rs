@@ -1,11 +1,14 @@
 //! Streams of random numbers, and what a session keeps.
 #![allow(clippy::unwrap_used)]
 
-use super::{Order, PipelineError, Prepared, Session};
+use super::{Order, PipelineError, Prepared, ReadAs, Session};
 use crate::mechanics::press::Pressed;
+use crate::progress::Stage;
 use crate::scene::{IntegratorChoice, LoadedScene, Render, preset};
 use crate::streams::{Sharing, Streams};
 use crate::trace::{BackendChoice, Devices, Precision, Settings, TraceError};
+use crate::vary::with;
+use std::path::Path;
 use std::sync::Arc;
 
 fn session() -> Session {
@@ -217,4 +220,57 @@ fn a_map_may_be_left_unsmoothed() {
     assert!(noisy > 2.0 * quiet, "{noisy:e} {quiet:e}");
     let [one, other] = [&raw, &smooth].map(|outcome| sum(&outcome.film.mean));
     assert!((one / other - 1.0).abs() < 0.02, "{one} {other}");
+}
+
+/// Without inclusions the same material follows the same way: all loads before, and how long each was held.
+#[test]
+fn a_phantom_that_relaxes_has_a_baseline_of_its_own_way() {
+    let material =
+        "{ law = \"neo_hookean\", youngs_kpa = 5.0, poisson = 0.49, relaxation = [{ share = 0.5, time_s = 2 }] }";
+    let sets = [
+        format!("phantom.material={material}"),
+        format!("phantom.inclusion[0].material={material}"),
+        "press.depths_mm=[1, 2]".into(),
+        "press.rate_mm_per_s=5".into(),
+        "press.hold_s=2".into(),
+        "press.resolution=0.25".into(),
+    ];
+    let sets: Vec<_> = sets.iter().map(|set| set.parse().unwrap()).collect();
+    let loaded = with(coarse("phantom-size-8mm"), Path::new("relaxing.toml"), &sets).unwrap();
+    let mut session = session();
+    let last = prepared(&mut session, loaded);
+    for load in 0..2 {
+        let at = last.at_load(load).unwrap();
+        let baseline = session.baseline(&at, &mut |_| true).unwrap();
+        let force = |prepared: &Prepared| prepared.pressed().unwrap().1.force_n;
+        assert!((force(&baseline) / force(&at) - 1.0).abs() < 1e-6, "load {load}: {} {}", force(&baseline), force(&at));
+    }
+}
+
+/// From a scene to its reading no stage is come back to.
+#[test]
+fn a_scene_visits_each_stage_once_and_in_order() {
+    let mut loaded = coarse("phantom-size-8mm");
+    loaded.scene.press.as_mut().unwrap().estimate_error = true;
+    let (mut session, mut stages, mut dones) = (session(), Vec::new(), Vec::new());
+    let order = Order {
+        settings: Settings { spp: 16, photons: Some(1 << 14), ..Settings::of(&loaded.scene.render) },
+        ..Order::of(&loaded.scene)
+    };
+    let mut observe = |stage: Stage| {
+        stages.push(stage.what.to_owned());
+        dones.push(stage.done);
+        true
+    };
+    let prepared = session.prepare(loaded, &order, &mut observe).unwrap();
+    let shot = session.shoot(&prepared, &mut observe).unwrap();
+    assert!(shot.read(&ReadAs::default()).is_ok());
+    stages.dedup();
+    println!("{stages:?}");
+    let mut once = stages.clone();
+    once.sort();
+    once.dedup();
+    assert_eq!(once.len(), stages.len(), "{stages:?}");
+    let place = |what: &str| stages.iter().position(|stage| stage == what).unwrap();
+    assert!(place("pressing") < place("photons") && place("photons") < place("camera paths"), "{stages:?}");
 }

@@ -31,6 +31,11 @@ impl Input {
     /// When it cannot be read, or has more than 1 GiB.
     pub fn read(path: impl Into<PathBuf>) -> Result<Self, DataFileError> {
         let path = path.into();
+        // A pipe may never end.
+        if path.metadata().is_ok_and(|data| !data.is_file() && !data.is_dir()) {
+            let message = "is no regular file".to_owned();
+            return Err(DataFileError { kind: "io", file: path, line: None, message });
+        }
         let bytes = read_limited(&path, FILE_BYTES)?;
         Ok(Self::new(path, bytes))
     }
@@ -116,6 +121,13 @@ mod tests {
         assert_eq!(&*inputs.open(file).unwrap().bytes, b"one");
         assert_eq!(hash(&inputs), before);
         assert_ne!(hash(&Inputs::of_folder(folder.path())), before);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_regular_file_is_not_waited_for() {
+        let error = Inputs::of_folder("/dev").open(Path::new("zero")).unwrap_err();
+        assert_eq!((error.kind, error.to_string().as_str()), ("io", "/dev/zero: is no regular file"));
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub struct Press {
     /// as far as a third of the face's half width and half of the topmost soft layer allow, because a sharp rim that
     /// slides is singular (and none that is moulded is sharp). A rigid sensor that is tied has none.
     pub edge_radius_mm: Option<f64>,
-    /// Turn of the phantom about the axes x and y through the middle of its touched face, degrees. Sliding faces are
+    /// Turn of the phantom about the axes x and y through the middle of the sensor's face, degrees. Sliding faces are
     /// tilted from the start, and depths count from where they first meet. Tied faces lie flat on each other at rest:
     /// there the base turns as it comes down, and has turned all the way at the last depth. Default: `[0, 0]`.
     pub tilt_deg: [f64; 2],

@@ -149,6 +149,31 @@ pub enum Wall {
     MinusY,
 }
 
+impl Wall {
+    /// The wall across an axis, 0 for x and 1 for y, at its lower end or at its upper one.
+    #[must_use]
+    pub fn across(axis: usize, low: bool) -> Self {
+        match (axis, low) {
+            (0, false) => Self::PlusX,
+            (0, true) => Self::MinusX,
+            (_, false) => Self::PlusY,
+            (_, true) => Self::MinusY,
+        }
+    }
+
+    /// The axis that it lies across: 0 for x, 1 for y.
+    #[must_use]
+    pub fn axis(self) -> usize {
+        usize::from(matches!(self, Self::PlusY | Self::MinusY))
+    }
+
+    /// Whether it is at the lower end of that axis.
+    #[must_use]
+    pub fn is_low(self) -> bool {
+        matches!(self, Self::MinusX | Self::MinusY)
+    }
+}
+
 /// How an LED meets the wall.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields, tag = "kind")]

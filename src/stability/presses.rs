@@ -8,7 +8,7 @@ use crate::mechanics::element::PressureOrder;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::material::Material;
 use crate::mechanics::mesh::{Footprint, InclusionShape, MeshError, PhantomMesh, PhantomShape, Resolution, Star};
-use crate::mechanics::press::{Load, PressError, PressSettings, Pressed, SensorBody, Setup, press};
+use crate::mechanics::press::{Load, PressError, PressSettings, Pressed, SensorBody, Setup, TIME_STEPS, press};
 use crate::mechanics::read_out::{min_jacobian, pressure_jump};
 
 /// Height of the phantom, mm.
@@ -54,6 +54,7 @@ pub fn setup(ball: Option<Ball>, poisson: f64) -> Result<Setup, StabilityError> 
         load: Load::Depths(vec![1.0]),
         seconds_per_mm: None,
         hold_s: 0.0,
+        time_steps: TIME_STEPS,
         tilt_deg: [0.0; 2],
     })
 }

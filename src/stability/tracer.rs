@@ -1,6 +1,7 @@
 //! The tracers under test, and the probe that looks into them.
 
 use crate::trace::backend::{Backend, CpuTracer};
+use crate::trace::constants;
 use crate::trace::cpu::vec3::v3;
 use crate::trace::cpu::{End, Limits, Path, fresnel};
 use crate::trace::gpu::assemble::Entry;
@@ -9,8 +10,8 @@ use crate::trace::model::Real;
 use crate::trace::{BackendChoice, Model, TraceError};
 use rayon::prelude::*;
 
-/// Words of one event row, as in `record.wgsl`.
-const EVENTS: usize = 64;
+/// Words of one event row.
+const EVENTS: usize = constants::EVENTS as usize;
 
 /// A tracer under test. Tests put faulty ones in.
 #[derive(Clone, Copy)]

@@ -1,7 +1,8 @@
 //! Sweeps without a file: a grid over a few keys.
 
-use super::{Measure, Settings, Sweep, SweepFile};
-use crate::scene::{Invalid, LoadedScene};
+use super::file::rules;
+use super::{Measure, Settings, Sweep, SweepFile, schema};
+use crate::scene::{Invalid, LoadedScene, parse_file};
 use crate::vary::{Design, Keys, Range, Scalar, Vary, key_and_value};
 use std::path::{Path, PathBuf};
 
@@ -22,7 +23,11 @@ pub fn vary(text: &str) -> Result<Vary, String> {
     if parts.len() > 1 {
         return Err("a range is FROM:TO:POINTS".into());
     }
-    let values: Vec<Scalar> = values.split(',').map(str::trim).filter(|v| !v.is_empty()).map(Scalar::of_cell).collect();
+    let values = values.split(',').map(str::trim).filter(|value| !value.is_empty());
+    if let Some(value) = values.clone().find(|value| value.parse::<f64>().is_ok_and(|number| !number.is_finite())) {
+        return Err(format!("{value} is no value of a key"));
+    }
+    let values: Vec<Scalar> = values.map(Scalar::of_cell).collect();
     match values.is_empty() {
         true => Err("it has no values".into()),
         false => Ok(Vary { values: Some(values), ..vary }),
@@ -64,7 +69,11 @@ pub fn sweep(
         images: None,
     };
     let file = SweepFile { sweep: settings, vary, require: Vec::new(), measure };
-    let text = toml::to_string(&file).map_err(|error| Invalid::new("sweep", error.to_string()))?;
+    let wrong = |why: String| Invalid::new("sweep", why);
+    let text = toml::to_string(&file).map_err(|error| wrong(error.to_string()))?;
+    // What no file can hold is refused before a folder is made of it.
+    let read = parse_file::<SweepFile>(&text, Path::new(&name), &schema(), rules);
+    let file = read.map_err(|error| Invalid::new(error.key.unwrap_or_default(), error.message))?.scene;
     Sweep::new(name, file, text, base, base_file, None)
 }
 
@@ -94,5 +103,22 @@ mod tests {
         }
         assert!(measure("contrats").unwrap_err().contains("contrats"));
         assert!(measure("contrast size=3").unwrap_err().contains("size"));
+        assert!(vary("a=1.4,nan").unwrap_err().contains("nan") && vary("a=inf").is_err());
+        let by = |text: &str| {
+            let (base, axis) = (preset("contact-disc").unwrap(), vary("stack.layer[0].n=1.4,1.41").unwrap());
+            sweep(
+                "s".into(),
+                Path::new("preset:contact-disc"),
+                vec![axis],
+                vec![measure(text).unwrap()],
+                base,
+                "".into(),
+            )
+        };
+        for not_finite in ["unevenness radius_mm=nan", "paper threshold_grey=inf", "contrast center_mm=[nan,0]"] {
+            let error = by(not_finite).unwrap_err();
+            assert!(error.message.contains("finite"), "{not_finite}: {error}");
+        }
+        assert!(by("unevenness radius_mm=3").is_ok());
     }
 }

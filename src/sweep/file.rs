@@ -6,6 +6,7 @@ use crate::scene::{
     DataFileError, Input, Invalid, LoadedScene, SceneError, at_its_place, load, parse, parse_file, preset, read_text,
 };
 use crate::vary::{Design, Plan, Point, Require, Vary};
+use crate::version::{SOURCES, VERSION};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -114,7 +115,7 @@ impl Place {
 /// Mistakes that all points of a sweep share.
 const OF_ALL_POINTS: [&str; 4] = ["syntax", "unknown_key", "missing_key", "wrong_type"];
 
-fn rules(file: &SweepFile) -> Result<(), Invalid> {
+pub(super) fn rules(file: &SweepFile) -> Result<(), Invalid> {
     if let Some(images) = file.sweep.images.filter(|images| !(0.0..=1.0).contains(&images.test_share)) {
         let what = format!("must be from 0 to 1, is {}", images.test_share);
         return Err(Invalid::new("sweep.images.test_share", what));
@@ -242,7 +243,8 @@ impl Sweep {
         let taken = sweep.own_columns();
         if let Some((k, name)) = sweep.plan.names().enumerate().find(|(_, name)| taken.iter().any(|own| own == name)) {
             let what = format!("{name} is a column of the tables already");
-            return Err(Invalid::new(format!("vary[{k}].name"), what));
+            let of_vary = (k < sweep.file.vary.len()).then(|| format!("vary[{k}].name"));
+            return Err(Invalid::new(of_vary.unwrap_or("sweep.design.file".into()), what));
         }
         if let Some(k) = sweep.file.measure.iter().position(Measure::needs_press)
             && sweep.base.scene.press.is_none()
@@ -306,7 +308,8 @@ impl Sweep {
                     known.insert(words);
                 }
                 Err(Rejected::Sweep(why)) => {
-                    broken = broken.or(Some(why));
+                    let of_table = || Invalid::new("sweep.design.file", format!("row {row} {}", why.message));
+                    broken = broken.or_else(|| Some(if self.table.is_some() { of_table() } else { why.clone() }));
                     known.insert(words);
                 }
                 // Other numbers may do.
@@ -383,7 +386,8 @@ impl Sweep {
     /// All that its records depend on.
     pub fn order(&self) -> Value {
         json!({
-            "version": env!("CARGO_PKG_VERSION"),
+            "version": VERSION,
+            "sources": SOURCES,
             "sweep": self.text,
             "scene": self.base.text,
             "inputs": self.base.files.hashes(self.named.iter().map(PathBuf::as_path)),

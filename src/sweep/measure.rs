@@ -173,7 +173,7 @@ impl Measure {
 
     fn of_press(&self, pressed: Option<(&Pressed, &PressStep)>) -> Told {
         let Some((pressed, step)) = pressed else { return Told::undefined("the scene presses nothing") };
-        let summary = StepSummary::of(step, pressed.error_seconds > 0.0);
+        let summary = StepSummary::of(pressed, step);
         let (value, error) = match self {
             Self::Force {} => (summary.force_n, &summary.force_error),
             _ => (summary.peak_pressure_kpa, &summary.peak_error),

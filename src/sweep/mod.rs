@@ -8,6 +8,7 @@ pub mod by_hand;
 mod file;
 mod finish;
 mod images;
+mod kept;
 mod measure;
 mod parts;
 mod ready;
@@ -21,7 +22,7 @@ mod status;
 mod tally;
 
 pub use file::{NoScene, RandomNumbers, Rejected, Settings, Sweep, SweepFile, SweepFolderError, schema};
-pub use images::{Format, Images, Kept, Loads};
+pub use kept::{Format, Images, Kept, Loads};
 pub use measure::{Measure, Told};
 pub use parts::Parts;
 pub use record::{Record, Seconds, State, Traced};

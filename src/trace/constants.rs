@@ -57,6 +57,32 @@ shared! {
     /// is lost by them.
     REFLECTED: f64 = 0.2;
 
+    /// Factor of pcg3d.
+    PCG_FACTOR: u32 = 1_664_525;
+    /// Its summand.
+    PCG_SUMMAND: u32 = 1_013_904_223;
+    /// Bits by which the round of a path goes into the number of its launch, after those of its thread.
+    ROUND_BITS: u32 = 14;
+    /// What draws of a path are apart.
+    DRAW_STEP: u32 = 0x9e37_79b9;
+    /// Factor of a draw's first round.
+    DRAW_FIRST: u32 = 0x21f0_aaad;
+    /// Of its second.
+    DRAW_SECOND: u32 = 0xd35a_2d97;
+    /// First factor that scrambles a launch.
+    SCRAMBLE_FIRST: u32 = 0x3d20_adea;
+    /// The second.
+    SCRAMBLE_SECOND: u32 = 0x0552_6c56;
+    /// The last.
+    SCRAMBLE_LAST: u32 = 0x53a2_2864;
+    /// 2^-24: what the upper 24 bits of a word count.
+    OF_24_BITS: f64 = 5.960_464_477_539_063e-8;
+
+    /// Threads of a workgroup.
+    WORKGROUP: u32 = 64;
+    /// Most steps of the search for the way from a deposit to the pinhole.
+    SPLAT_STEPS: u32 = 24;
+
     /// Cells of an intensity table along sin^2(theta) and along the azimuth.
     TABLE_EDGE: usize = 64;
     /// In place of a table's first entry.

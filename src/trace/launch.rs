@@ -6,6 +6,7 @@
 //! numbers are Vegdahl's, 2021). Photon (a, b) of thread a is point a + 2^14 b, so that those which are added later go
 //! on where the others ended. docs/decisions/launch.md has what this is worth.
 
+use super::constants::{SCRAMBLE_FIRST, SCRAMBLE_LAST, SCRAMBLE_SECOND};
 use super::pcg::pcg3d;
 use std::fmt::Write as _;
 
@@ -84,10 +85,10 @@ pub fn scramble(seed: u32, coordinate: usize) -> u32 {
 /// A coordinate of a point from 0 to 1, in units of 2^-32.
 pub fn even(number: u32, coordinate: usize, scramble: u32) -> u32 {
     let mut y = point(number, coordinate);
-    y ^= y.wrapping_mul(0x3d20_adea);
+    y ^= y.wrapping_mul(SCRAMBLE_FIRST);
     y = y.wrapping_add(scramble).wrapping_mul((scramble >> 16) | 1);
-    y ^= y.wrapping_mul(0x0552_6c56);
-    y ^= y.wrapping_mul(0x53a2_2864);
+    y ^= y.wrapping_mul(SCRAMBLE_SECOND);
+    y ^= y.wrapping_mul(SCRAMBLE_LAST);
     y.reverse_bits()
 }
 

@@ -20,8 +20,8 @@ const RADIANCES: RangeInclusive<f64> = 1e-9..=1e12;
 /// One LED.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Led<T> {
-    /// 0 +x, 1 -x, 2 +y, 3 -y.
-    pub wall: u32,
+    /// The wall that it is on, or before.
+    pub wall: Wall,
     /// In the surround before a clear wall.
     pub air: bool,
     /// Centre along the wall, mm.
@@ -113,8 +113,8 @@ impl Led<f64> {
         if !lambertian {
             return [-1.0, 1.0];
         }
-        let (across, along) = if self.wall < 2 { (0, 1) } else { (1, 0) };
-        let outward = if self.wall.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let (across, along) = (self.wall.axis(), 1 - self.wall.axis());
+        let outward = if self.wall.is_low() { -1.0 } else { 1.0 };
         let depth = half_size[across] - outward * center[across];
         // The tangents turn one way only as a point moves along the wall: those of its ends bound all.
         let ends = [-1.0, 1.0].map(|end| {
@@ -195,12 +195,7 @@ fn one(
         Mount::Air { gap_mm } => (true, gap_mm),
     };
     let led = Led {
-        wall: match led.wall {
-            Wall::PlusX => 0,
-            Wall::MinusX => 1,
-            Wall::PlusY => 2,
-            Wall::MinusY => 3,
-        },
+        wall: led.wall,
         air,
         along: led.along_mm,
         height: led.height_mm,

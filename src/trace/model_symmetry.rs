@@ -4,6 +4,7 @@ use super::disc::Disc;
 use super::leds::Led;
 use super::model::{Deformation, Heights, Model};
 use super::symmetry::{Move, STILL, Symmetry};
+use crate::scene::Wall;
 
 /// How far numbers of a place and its image may be apart, as a share of the largest: the rounding of f32.
 const ALIKE: f64 = 1e-7;
@@ -18,8 +19,8 @@ impl Symmetry {
 impl Move {
     /// The LED that one is moved to.
     fn led(self, led: &Led<f64>) -> Led<f64> {
-        let (across, along) = if led.wall < 2 { (0, 1) } else { (1, 0) };
-        let wall = led.wall ^ u32::from(self.0[across]);
+        let (across, along) = (led.wall.axis(), 1 - led.wall.axis());
+        let wall = Wall::across(across, led.wall.is_low() != self.0[across]);
         Led { wall, along: if self.0[along] { -led.along } else { led.along }, ..*led }
     }
 

@@ -41,7 +41,7 @@ impl Ray {
 /// The LEDs at the x walls that the section cuts, each with half of the chord that it cuts, mm.
 pub fn leds_in_section(model: &Model<f64>) -> Vec<(&Led<f64>, f64)> {
     let half_chord = |led: &Led<f64>| (led.radius.powi(2) - led.along.powi(2)).sqrt();
-    let cut = |led: &&Led<f64>| led.wall < 2 && led.along.abs() < led.radius;
+    let cut = |led: &&Led<f64>| led.wall.axis() == 0 && led.along.abs() < led.radius;
     model.leds.iter().filter(cut).map(|led| (led, half_chord(led))).collect()
 }
 

@@ -141,8 +141,8 @@ fn blotches(integrator: Integrator, film: &Film) -> Option<String> {
 /// their seconds; an asked error plays no part.
 ///
 /// # Errors
-/// `Unsuited` where the integrator does not suit the scene, what the backend says, `Stopped` where `observe` says so; `Overflow` where sums of
-/// light are full, else as [`accepted`].
+/// `Unsuited` where the integrator does not suit the scene, what the backend says, `Stopped` where `observe` says so;
+/// `Overflow` where sums of light are full, else as [`accepted`].
 pub fn render_on(
     backend: &mut Backend,
     model: &Model<f64>,
@@ -176,22 +176,7 @@ pub(super) fn render_batch(
     let setup_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
     if let Some(budget) = settings.seconds {
-        // A throw-away pilot of one path per pixel measures the machine.
-        let pilot =
-            Work { spp: 1, photons: work.photons.min(photons(&kernel, plan.integrator, pixels).max(FEW_PHOTONS)) };
-        let timer = Instant::now();
-        batch.replicate(u32::MAX, pilot, &mut |_| observe(Stage { done: 0.0, what: "measuring the machine" }))?;
-        let Times { photons, map, camera, .. } = batch.totals.times;
-        batch.totals = Totals { times: batch.totals.times, ..Totals::default() };
-        let left = budget - timer.elapsed().as_secs_f64();
-        let few = (FEW_PHOTONS as f64 / pilot.photons as f64).min(1.0);
-        replicates = ((left / (few * photons + map + camera)) as u32).clamp(LEAST_REPLICATES, REPLICATES);
-        // Two thirds of the budget for so many: the choice of a smoothing takes time too, and more replicates fill the
-        // rest.
-        let each = left / f64::from(replicates) / 1.5 - map;
-        let scale = (each / (photons + camera)).clamp(1.0, f64::from(REPLICATE_PATHS)).floor();
-        let share = ((each - scale * camera) / photons).clamp(few, 2.0 * scale);
-        work = Work { spp: scale as u32, photons: (pilot.photons as f64 * share) as u64 };
+        (replicates, work) = within(batch, &kernel, budget, work, observe)?;
     }
     let mut sum = BlockAccumulator::new(model.camera.size[0], model.camera.size[1]);
     let needs_ledger = batch.integrator == Integrator::Path || kernel.aimed;
@@ -232,14 +217,7 @@ pub(super) fn render_batch(
     let seconds = start.elapsed().as_secs_f64();
     let Totals { segments, mut times, photons, .. } = batch.totals;
     if needs_ledger {
-        let start = Instant::now();
-        let photons = match (settings.photons, batch.integrator) {
-            (None, _) => LEDGER_PHOTONS,
-            (Some(asked), Integrator::Path) => asked,
-            (Some(asked), Integrator::Map | Integrator::Splat) => asked.min(LEDGER_PHOTONS),
-        };
-        batch.ledger(photons, &mut |_| observe(Stage { done: 1.0, what: "flux ledger" }))?;
-        times.ledger = start.elapsed().as_secs_f64();
+        times.ledger = fill_ledger(batch, settings.photons, observe)?;
     }
     let totals = batch.totals;
     let ledger = accepted(&totals)?;
@@ -271,6 +249,43 @@ pub(super) fn render_batch(
         times,
         setup_seconds,
     })
+}
+
+/// How many replicates, and of what work, fill a budget of seconds: a throw-away pilot of one path a pixel measures the
+/// machine.
+fn within(
+    batch: &mut Batch,
+    kernel: &Kernel,
+    budget: f64,
+    work: Work,
+    observe: &mut Observer,
+) -> Result<(u32, Work), TraceError> {
+    let fewest = photons(kernel, batch.integrator, pixels(batch.model)).max(FEW_PHOTONS);
+    let pilot = Work { spp: 1, photons: work.photons.min(fewest) };
+    let timer = Instant::now();
+    batch.replicate(u32::MAX, pilot, &mut |_| observe(Stage { done: 0.0, what: "measuring the machine" }))?;
+    let Times { photons, map, camera, .. } = batch.totals.times;
+    batch.totals = Totals { times: batch.totals.times, ..Totals::default() };
+    let left = budget - timer.elapsed().as_secs_f64();
+    let few = (FEW_PHOTONS as f64 / pilot.photons as f64).min(1.0);
+    let replicates = ((left / (few * photons + map + camera)) as u32).clamp(LEAST_REPLICATES, REPLICATES);
+    // Two thirds of the budget for so many: the choice of a smoothing takes time too. More replicates fill the rest.
+    let each = left / f64::from(replicates) / 1.5 - map;
+    let scale = (each / (photons + camera)).clamp(1.0, f64::from(REPLICATE_PATHS)).floor();
+    let share = ((each - scale * camera) / photons).clamp(few, 2.0 * scale);
+    Ok((replicates, Work { spp: scale as u32, photons: (pilot.photons as f64 * share) as u64 }))
+}
+
+/// Sends photons for the ledger alone; how long that takes, s.
+fn fill_ledger(batch: &mut Batch, asked: Option<u64>, observe: &mut Observer) -> Result<f64, TraceError> {
+    let start = Instant::now();
+    let photons = match (asked, batch.integrator) {
+        (None, _) => LEDGER_PHOTONS,
+        (Some(asked), Integrator::Path) => asked,
+        (Some(asked), Integrator::Map | Integrator::Splat) => asked.min(LEDGER_PHOTONS),
+    };
+    batch.ledger(photons, &mut |_| observe(Stage { done: 1.0, what: "flux ledger" }))?;
+    Ok(start.elapsed().as_secs_f64())
 }
 
 /// The ledger, unless too much light is missing from the image: lost, or cut off by the cap on interactions.

@@ -113,9 +113,51 @@ impl KeyPath {
         found
     }
 
+    /// Whether a document has it.
+    pub(super) fn is_in(&self, document: &Item) -> bool {
+        self.remove(&mut document.clone())
+    }
+
+    /// Removes the key from its table; whether it was there.
+    pub(super) fn remove(&self, document: &mut Item) -> bool {
+        match self.steps.split_last() {
+            Some((Step::Key(name), table)) => from_item(document, table, name),
+            _ => false,
+        }
+    }
+
     /// The values that the path names in a scene as JSON; none where it leads nowhere.
     pub fn values_in<'v>(&self, scene: &'v mut Json) -> Vec<&'v mut Json> {
         values(scene, &self.steps)
+    }
+}
+
+fn from_item(item: &mut Item, table: &[Step], name: &str) -> bool {
+    match (item, table) {
+        (Item::Table(inside), _) => from_table(inside, table, name),
+        (Item::ArrayOfTables(tables), [Step::Index(k), rest @ ..]) => {
+            tables.get_mut(*k).is_some_and(|inside| from_table(inside, rest, name))
+        }
+        (Item::Value(value), _) => from_value(value, table, name),
+        _ => false,
+    }
+}
+
+fn from_table(inside: &mut dyn TableLike, table: &[Step], name: &str) -> bool {
+    match table {
+        [] => inside.remove(name).is_some(),
+        [Step::Key(key), rest @ ..] => inside.get_mut(key).is_some_and(|item| from_item(item, rest, name)),
+        _ => false,
+    }
+}
+
+fn from_value(value: &mut Value, table: &[Step], name: &str) -> bool {
+    match (value, table) {
+        (Value::InlineTable(inside), _) => from_table(inside, table, name),
+        (Value::Array(list), [Step::Index(k), rest @ ..]) => {
+            list.get_mut(*k).is_some_and(|value| from_value(value, rest, name))
+        }
+        _ => false,
     }
 }
 

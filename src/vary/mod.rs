@@ -6,6 +6,7 @@ mod design;
 mod distribution;
 mod expression;
 mod key;
+mod kinds;
 mod plan;
 mod scalar;
 pub mod sensitivity;

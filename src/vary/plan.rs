@@ -3,6 +3,7 @@
 use super::columns::Columns;
 use super::design::Units;
 use super::distribution::{Source, written_out};
+use super::kinds;
 use super::{Design, Expression, KeyPath, Require, Scalar, Vary};
 use crate::scene::Invalid;
 use std::collections::{BTreeMap, BTreeSet};
@@ -89,7 +90,7 @@ impl Plan {
                 Invalid::new(format!("require[{k}].expression"), format!("{:?} {why}", one.expression))
             })?;
             known_names(&expression, &variables, &format!("require[{k}].expression"))?;
-            Ok((expression, one.reason.clone()))
+            Ok((expression, one.reason.clone().filter(|reason| !reason.trim().is_empty())))
         };
         let require = require.iter().enumerate().map(read).collect::<Result<Vec<_>, Invalid>>()?;
         all_change_something(&variables, &require)?;
@@ -101,6 +102,7 @@ impl Plan {
                 _ => 0,
             })
             .collect();
+        draws_something(design, &lists)?;
         let (units, count) = design.units(&lists).map_err(|why| Invalid::new("sweep.design", why))?;
         let (table, count) = match columns {
             Some(columns) => {
@@ -240,7 +242,19 @@ impl Plan {
                 set.map_err(|why| Invalid::new(format!("vary[{k}].key"), why))?;
             }
         }
+        kinds::leave_strangers_out(&mut document, base, self.keys().flatten());
         Ok(document.to_string())
+    }
+}
+
+/// Sensitivities are of what a design draws; a list of one value draws nothing.
+fn draws_something(design: &Design, lists: &[usize]) -> Result<(), Invalid> {
+    let is_of_sensitivity = matches!(design, Design::Morris { .. } | Design::Saltelli { .. });
+    match lists.iter().all(|&length| length == 1) {
+        true if is_of_sensitivity => {
+            Err(Invalid::new("sweep.design", "draws nothing: no variable has more than one value"))
+        }
+        _ => Ok(()),
     }
 }
 

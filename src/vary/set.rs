@@ -1,6 +1,6 @@
 //! Keys of a scene set by hand: `stack.layer[0].n=1.42`.
 
-use super::{KeyPath, Scalar};
+use super::{KeyPath, Scalar, kinds};
 use crate::scene::{Invalid, Loaded, LoadedScan, LoadedScene, SceneError, at_its_place, parse, parse_scan};
 use std::path::Path;
 use std::str::FromStr;
@@ -76,6 +76,7 @@ fn changed<S>(
     for Set { key, value } in sets {
         key.set(document.as_item_mut(), value).map_err(|why| at(&key.to_string(), why))?;
     }
+    kinds::leave_strangers_out(&mut document, &loaded.text, sets.iter().map(|set| &set.key));
     let files = loaded.files.clone();
     Ok(Loaded { files, ..parse(&document.to_string(), file)? })
 }

@@ -6,7 +6,9 @@ use tirtouch::mechanics::element::PressureOrder;
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::Material;
 use tirtouch::mechanics::mesh::{Footprint, PhantomMesh, PhantomShape, Resolution};
-use tirtouch::mechanics::press::{ContactPoint, Load, Pose, PressSettings, PressStep, SensorBody, Setup, press};
+use tirtouch::mechanics::press::{
+    ContactPoint, Load, Pose, PressSettings, PressStep, SensorBody, Setup, TIME_STEPS, press,
+};
 
 /// A linear body of E = 1 kPa about the axis, under an indenter without friction.
 fn setup(size_mm: [f64; 2], poisson: f64, profile: Profile, footprint_mm: f64, resolution: Resolution) -> Setup {
@@ -29,6 +31,7 @@ fn setup(size_mm: [f64; 2], poisson: f64, profile: Profile, footprint_mm: f64, r
         load: Load::Depths(vec![1.0]),
         seconds_per_mm: None,
         hold_s: 0.0,
+        time_steps: TIME_STEPS,
         tilt_deg: [0.0; 2],
     }
 }

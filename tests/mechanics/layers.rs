@@ -17,7 +17,7 @@ use tirtouch::mechanics::element::PressureOrder;
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::Material;
 use tirtouch::mechanics::mesh::{Footprint, PhantomMesh, PhantomShape, Resolution};
-use tirtouch::mechanics::press::{ContactPoint, Load, SensorBody, Setup};
+use tirtouch::mechanics::press::{ContactPoint, Load, SensorBody, Setup, TIME_STEPS};
 
 /// The punch as a press: a rigid sensor of this radius whose edge is rounded by a thousandth of it, mm, pressed little.
 pub const RADIUS_MM: f64 = 5.0;
@@ -60,6 +60,7 @@ pub fn rounded(layers: &[Layer], resolution: Resolution) -> Setup {
         load: Load::Depths(vec![DEPTH_MM]),
         seconds_per_mm: None,
         hold_s: 0.0,
+        time_steps: TIME_STEPS,
         tilt_deg: [0.0; 2],
     }
 }

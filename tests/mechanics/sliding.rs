@@ -7,7 +7,7 @@ use tirtouch::mechanics::element::PressureOrder;
 use tirtouch::mechanics::kinematics::Kinematics;
 use tirtouch::mechanics::material::Material;
 use tirtouch::mechanics::mesh::{Boundary, Footprint, Mesh, PhantomMesh, PhantomShape, Resolution};
-use tirtouch::mechanics::press::{Load, Pose, PressSettings, Pressed, SensorBody, Setup, press};
+use tirtouch::mechanics::press::{Load, Pose, PressSettings, Pressed, SensorBody, Setup, TIME_STEPS, press};
 use tirtouch::mechanics::problem::Problem;
 use tirtouch::mechanics::read_out::{boundary_force, min_jacobian, reactions};
 
@@ -104,6 +104,7 @@ fn sensor_press(kinematics: Kinematics, phantom: PhantomMesh, layer_mm: f64, dep
         load: Load::Depths(vec![depth]),
         seconds_per_mm: None,
         hold_s: 0.0,
+        time_steps: TIME_STEPS,
         tilt_deg: [0.0; 2],
     };
     let pressed = press(&setup, PressSettings::default(), &mut |_| true).unwrap();

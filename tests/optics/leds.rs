@@ -2,7 +2,7 @@
 
 use crate::bench::{self, close};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use tirtouch::scene::{Input, LoadedScene, Pattern, read_ies};
+use tirtouch::scene::{Input, LoadedScene, Pattern, Wall, read_ies};
 use tirtouch::trace::cpu::{End, Path};
 use tirtouch::trace::model::Real;
 
@@ -21,7 +21,7 @@ fn intensity(path: &mut Path<f64>, theta: f64, phi: f64) -> f64 {
     // Out of the disc is -x; phi runs from z towards y.
     let d = [-theta.cos(), theta.sin() * phi.sin(), theta.sin() * phi.cos()];
     bench::put(path, 1, [15.0, 0.0, 6.0], d.map(|v| -v));
-    path.wall = 0;
+    path.wall = Wall::PlusX;
     path.light_at_end(End::Wall) * theta.cos()
 }
 

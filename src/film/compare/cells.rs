@@ -1,7 +1,7 @@
 //! One cell against the other, and the light around it.
 
 use super::super::tails;
-use super::{MIN_CONTRIBUTIONS, ROUNDING, Ratio};
+use super::ratio::{MIN_CONTRIBUTIONS, ROUNDING, Ratio};
 
 /// Cells along a neighbourhood: 256 of them estimate a variance, so one's own share in it is lost.
 const TILE: usize = 16;

@@ -1,6 +1,6 @@
 //! How far two films are apart, pixel by pixel, whatever their noise.
 
-use super::CompareError;
+use super::error::CompareError;
 use crate::film::Film;
 use serde::Serialize;
 

@@ -6,9 +6,10 @@
 //! Replicates are independent of each other, so Student's t holds whether or not the two films share noise; where
 //! they do not, it sees no more than an image of the regions would.
 
-use super::{ROUNDING, Ratio, or_undefined, tails};
+use super::ratio::{ROUNDING, Ratio, or_undefined};
 use crate::film::Parts;
 use crate::film::parts::REGIONS;
+use crate::film::tails;
 use serde::Serialize;
 
 /// The comparison of two films replicate by replicate.

@@ -1,7 +1,7 @@
 //! The constraints of a contact at some state.
 
 use super::meeting::{Meeting, Surface, along_face};
-use super::project::{Face, subtract};
+use super::project::{OtherFace, subtract};
 use super::{Bending, Contact, Counterpart, Coupling, Grip, NodeGap};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -51,7 +51,7 @@ impl Contact {
             }
             Counterpart::Rigid { .. } => Vec::new(),
         };
-        let face = Face::new(self.kinematics.dim(), &faces, self.outward());
+        let face = OtherFace::new(self.kinematics.dim(), &faces, self.outward());
         let mut gaps: Vec<NodeGap> = vec![NodeGap::default(); self.nodes.len()];
         let mut moved: Vec<HashMap<u32, Mover>> = vec![HashMap::new(); self.nodes.len()];
         let mut stiffness: HashMap<(u32, u32), [[[f64; 3]; 3]; 2]> = HashMap::new();

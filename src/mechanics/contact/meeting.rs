@@ -1,6 +1,6 @@
 //! Where a point of the touched face meets its counterpart, and how the gap there changes.
 
-use super::project::{Face, Hit, cross, dot, slides};
+use super::project::{Hit, OtherFace, cross, dot, slides};
 use super::{Contact, Counterpart, Grip, Profile};
 use crate::mechanics::kinematics::Kinematics;
 
@@ -71,7 +71,12 @@ impl Surface {
 
 impl Contact {
     /// The counterpart of a point of the touched face whose facet has the local gradients `gradient` there.
-    pub(super) fn meet<'a>(&'a self, face: &Face, point: &Surface, gradient: &[[f64; 2]; 9]) -> Option<Meeting<'a>> {
+    pub(super) fn meet<'a>(
+        &'a self,
+        face: &OtherFace,
+        point: &Surface,
+        gradient: &[[f64; 2]; 9],
+    ) -> Option<Meeting<'a>> {
         match &self.counterpart {
             Counterpart::Rigid { profile, center } => Some(self.meet_profile(profile, *center, point.x)),
             Counterpart::Face(facets) if self.grip == Grip::Bonded => face.foot(point.x).map(|foot| Meeting {

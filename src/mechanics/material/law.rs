@@ -1,6 +1,7 @@
 //! The laws and their parameters.
 
-use super::{Response, Tensor, invariant, linear, ogden};
+use super::ogden::{self, OgdenTerm};
+use super::{Response, Tensor, invariant, linear};
 
 /// An isochoric elastic law, moduli in kPa. I1 is the trace of Fbar^T Fbar; l1, l2, l3 are its isochoric stretches.
 ///
@@ -44,15 +45,6 @@ pub enum Law {
         /// m, dimensionless.
         exponent: f64,
     },
-}
-
-/// A term of Ogden's law.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OgdenTerm {
-    /// mu_k, of the sign of the exponent.
-    pub shear_kpa: f64,
-    /// alpha_k, not 0.
-    pub exponent: f64,
 }
 
 impl Law {

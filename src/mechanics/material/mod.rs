@@ -26,7 +26,8 @@ mod tests;
 mod viscous;
 
 pub use check::MaterialError;
-pub use law::{Law, OgdenTerm};
+pub use law::Law;
+pub use ogden::OgdenTerm;
 pub use viscous::{History, Prony};
 
 /// A second-order tensor, row by row.

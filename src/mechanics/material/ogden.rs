@@ -7,10 +7,19 @@
 
 use super::algebra::{determinant, twice_green_strain};
 use super::spectrum::eigen;
-use super::{OgdenTerm, Response, Tensor};
+use super::{Response, Tensor};
 
 /// Pairs of principal axes.
 const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
+
+/// A term of Ogden's law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OgdenTerm {
+    /// mu_k, of the sign of the exponent.
+    pub shear_kpa: f64,
+    /// alpha_k, not 0.
+    pub exponent: f64,
+}
 
 /// Sums over the terms, at the principal stretches.
 #[derive(Default)]

@@ -6,7 +6,7 @@ use super::error::positive;
 use super::fillet::rim_start;
 use super::lines::Grading;
 use super::ogrid::Ogrid;
-use super::{InclusionShape, Lines, Mesh, MeshError, Resolution};
+use super::{Footprint, InclusionShape, Lines, Mesh, MeshError, Resolution};
 
 /// Where elements are narrow along r, inside the contact's edge, in units of the size there.
 const WITHIN_EDGE: [f64; 2] = [1.0, 0.3];
@@ -27,21 +27,6 @@ pub enum PhantomShape {
         size_mm: [f64; 2],
         /// Its height, mm.
         height_mm: f64,
-    },
-}
-
-/// Outline of the contact, centred on the axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Footprint {
-    /// A disc.
-    Round {
-        /// Its radius, mm.
-        radius_mm: f64,
-    },
-    /// A rectangle along the axes.
-    Rectangle {
-        /// Half its widths along x and y, mm.
-        half_widths_mm: [f64; 2],
     },
 }
 

@@ -1,6 +1,6 @@
 //! From the description of a press to its boundary value problem.
 
-use super::{PressError, SensorBody, Setup, tilt};
+use super::{AssemblyError, SensorBody, Setup, tilt};
 use crate::mechanics::contact::{Contact, Counterpart, Grip, Profile};
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::mesh::{Boundary, Facet, Footprint, Mesh, SensorMesh};
@@ -33,14 +33,14 @@ impl Assembly {
     ///
     /// # Errors
     /// Geometry that cannot be meshed, a setting that is not supported.
-    pub fn new(setup: &Setup) -> Result<Self, PressError> {
+    pub fn new(setup: &Setup) -> Result<Self, AssemblyError> {
         let (inclusions, layers) = (setup.phantom.inclusions.len(), setup.phantom.layers_mm.len());
         let (needed, given) = (1 + inclusions + layers, setup.phantom_materials.len());
         if given != needed {
             let message = format!(
                 "the phantom, its {inclusions} inclusions and {layers} layers need {needed} materials, {given} given"
             );
-            return Err(PressError::Unsupported(message));
+            return Err(AssemblyError::Unsupported(message));
         }
         let flat = setup.kinematics != Kinematics::ThreeDimensional;
         let body = setup.body();
@@ -112,6 +112,7 @@ impl Assembly {
             supports,
             contacts,
             seconds_per_load: setup.seconds_per_mm,
+            time_steps: setup.time_steps,
             stride: setup.stride_mm(),
             ..Problem::free(setup.kinematics, mesh, materials)
         };
@@ -120,7 +121,7 @@ impl Assembly {
 }
 
 /// Touched facets of the phantom and the rigid sensor's profile.
-fn rigid(setup: &Setup, mesh: &Mesh, edge_radius_mm: f64) -> Result<(Vec<Facet>, Counterpart, f64), PressError> {
+fn rigid(setup: &Setup, mesh: &Mesh, edge_radius_mm: f64) -> Result<(Vec<Facet>, Counterpart, f64), AssemblyError> {
     let center = [0.0; 2];
     let touched = mesh.boundary_facets(Boundary::Touched).into_iter();
     if setup.grip == Grip::Bonded {
@@ -129,7 +130,7 @@ fn rigid(setup: &Setup, mesh: &Mesh, edge_radius_mm: f64) -> Result<(Vec<Facet>,
     }
     let Footprint::Round { radius_mm } = setup.phantom.footprint else {
         let message = "a rigid rectangular sensor can only be tied; give it soft layers or a round footprint";
-        return Err(PressError::Unsupported(message.into()));
+        return Err(AssemblyError::Unsupported(message.into()));
     };
     let profile = Profile::RoundedFlat { flat_mm: radius_mm - edge_radius_mm, edge_radius_mm };
     let facets = touched.filter(|&facet| within(mesh, facet, MARGIN * radius_mm + setup.slide_mm())).collect();
@@ -137,9 +138,9 @@ fn rigid(setup: &Setup, mesh: &Mesh, edge_radius_mm: f64) -> Result<(Vec<Facet>,
 }
 
 /// Facets of the phantom that an indenter may touch, and its profile.
-fn indenter(setup: &Setup, mesh: &Mesh, profile: &Profile) -> Result<(Vec<Facet>, Counterpart, f64), PressError> {
+fn indenter(setup: &Setup, mesh: &Mesh, profile: &Profile) -> Result<(Vec<Facet>, Counterpart, f64), AssemblyError> {
     if setup.grip == Grip::Bonded {
-        return Err(PressError::Unsupported("a face that sticks from the start cannot wrap an indenter".into()));
+        return Err(AssemblyError::Unsupported("a face that sticks from the start cannot wrap an indenter".into()));
     }
     let touched = mesh.boundary_facets(Boundary::Touched).into_iter();
     let reach = RAISED * reach(setup) + setup.slide_mm();

@@ -1,10 +1,12 @@
 //! What a press takes, known before it is done: by it the method is chosen, and what does not fit into memory refused.
 
-use super::{Assembly, Load, PressError, Setup};
+use super::setup::length_mm;
+use super::{Assembly, Load, Pose, PressError, Setup};
+use crate::mechanics::contact::Grip;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::memory::{GIB, limit_gib};
 use crate::mechanics::newton::LinearSolver;
-use crate::mechanics::problem::Problem;
+use crate::mechanics::problem::{Problem, Stride};
 
 /// What a press takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,8 +26,13 @@ pub struct Cost {
 /// Unknowns in three dimensions from which multigrid costs less time than a factorisation.
 const CROSSING: usize = 15_000;
 
-/// Newton iterations of a load, and presses that a force is sought with.
+/// Newton iterations of a load that is one step; over a rigid sensor, where the contact's outline is to be found.
 const ITERATIONS: f64 = 7.0;
+const ITERATIONS_OVER_RIGID: f64 = 25.0;
+/// Those of each of several steps; where faces rub.
+const ITERATIONS_OF_STEP: f64 = 4.0;
+const ITERATIONS_OF_RUBBING_STEP: f64 = 10.0;
+/// Presses that a force is sought with.
 const FORCE_PRESSES: f64 = 4.0;
 
 /// Memory by unknowns n, bytes. `docs/decisions/multigrid.md` has the measured ones.
@@ -48,6 +55,31 @@ fn iteration_seconds(plane: bool, method: LinearSolver, n: f64) -> f64 {
     }
 }
 
+/// Newton iterations of all loads, to a factor of three.
+fn iterations(setup: &Setup, problem: &Problem) -> f64 {
+    let over_rigid = problem.contacts.iter().any(|contact| contact.grip != Grip::Bonded && contact.is_rigid());
+    let between = |from: f64, to: f64| {
+        let Stride { any_to, longest } = problem.stride;
+        let steps = ((to - any_to.max(from)).max(0.0) / longest).ceil().max(problem.steps_a_load() as f64);
+        match steps > 1.0 {
+            true if problem.rubs() => ITERATIONS_OF_RUBBING_STEP * steps,
+            true => ITERATIONS_OF_STEP * steps,
+            false if over_rigid => ITERATIONS_OVER_RIGID,
+            false => ITERATIONS,
+        }
+    };
+    if let Load::Forces(forces) = &setup.load {
+        return FORCE_PRESSES * forces.len() as f64 * between(0.0, 0.0);
+    }
+    let (mut at, mut start, mut sum) = (0.0, Pose::default(), 0.0);
+    for pose in setup.poses() {
+        let to = at + length_mm(pose.way_from(&start));
+        sum += between(at, to);
+        (at, start) = (to, pose);
+    }
+    sum
+}
+
 impl Cost {
     /// Of a press, solved as asked or as costs less.
     ///
@@ -62,17 +94,12 @@ impl Cost {
         let plane = setup.kinematics != Kinematics::ThreeDimensional;
         let best = if plane || unknowns < CROSSING { LinearSolver::Direct } else { LinearSolver::Multigrid };
         let method = if plane { LinearSolver::Direct } else { method.unwrap_or(best) };
-        let presses = match &setup.load {
-            Load::Depths(depths) => depths.len() as f64,
-            Load::Forces(forces) => FORCE_PRESSES * forces.len() as f64,
-            Load::Path(poses) => poses.len() as f64,
-        };
         Self {
             elements: problem.mesh.element_count(),
             unknowns,
             method,
             memory_gib: memory_bytes(plane, method, unknowns as f64) / GIB,
-            seconds: presses * ITERATIONS * iteration_seconds(plane, method, unknowns as f64),
+            seconds: iterations(setup, problem) * iteration_seconds(plane, method, unknowns as f64),
         }
     }
 
@@ -106,13 +133,43 @@ const FITS: [f64; 8] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.25];
 mod tests {
     use super::*;
     use crate::mechanics::from_scene::press_setup;
+    use crate::mechanics::press::{PressSettings, press};
     use crate::scene::{Dimensions, preset};
+    use crate::vary::with;
+    use std::path::Path;
 
     fn setup(dimensions: Dimensions, resolution: f64) -> Setup {
         let mut loaded = preset("phantom-size-8mm").unwrap();
         let press = loaded.scene.press.as_mut().unwrap();
         (press.dimensions, press.resolution) = (dimensions, resolution);
         press_setup(&loaded).unwrap()
+    }
+
+    #[test]
+    fn iterations_are_foretold_within_a_factor_of_three() {
+        let relaxing =
+            r#"phantom.material={ law = "neo_hookean", youngs_kpa = 5, relaxation = [{ share = 0.5, time_s = 2 }] }"#;
+        let slides = r#"press.interface={ kind = "frictionless" }"#;
+        let rubs = r#"press.interface={ kind = "coulomb", friction = 0.3 }"#;
+        let rigid = "press.sensor=rigid";
+        for sets in [
+            &[][..],
+            &[rigid],
+            &[slides],
+            &[slides, rigid],
+            &[rubs],
+            &[rubs, rigid, "press.depths_mm=[1, 2]"],
+            &[relaxing, "press.rate_mm_per_s=1"],
+            &[slides, "press.dimensions=three", "press.depths_mm=[0.5, 1]"],
+        ] {
+            let all: Vec<_> = sets.iter().chain(&["press.resolution=0.25"]).map(|set| set.parse().unwrap()).collect();
+            let loaded = with(preset("phantom-size-8mm").unwrap(), Path::new("s.toml"), &all).unwrap();
+            let setup = press_setup(&loaded).unwrap();
+            let pressed = press(&setup, PressSettings::default(), &mut |_| true);
+            let pressed = pressed.map_err(|error| error.to_string()).unwrap();
+            let (foretold, taken) = (iterations(&setup, &pressed.assembly.problem), pressed.iterations as f64);
+            assert!(foretold < 3.0 * taken && taken < 3.0 * foretold, "{sets:?}: {foretold} foretold, {taken} taken");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Why a press did not come to its end, and what may help.
 
-use super::{Load, Pressed, SensorBody, Setup};
+use super::{AssemblyError, Load, Pressed, SensorBody, Setup};
 use crate::mechanics::material::MaterialError;
 use crate::mechanics::memory;
 use crate::mechanics::mesh::MeshError;
@@ -53,6 +53,16 @@ pub enum PressError {
         /// What was reached.
         reached: Box<Pressed>,
     },
+}
+
+impl From<AssemblyError> for PressError {
+    fn from(error: AssemblyError) -> Self {
+        match error {
+            AssemblyError::Unsupported(what) => Self::Unsupported(what),
+            AssemblyError::Mesh(error) => Self::Mesh(error),
+            AssemblyError::Material(error) => Self::Material(error),
+        }
+    }
 }
 
 /// Which press stopped where, why, and what may help.

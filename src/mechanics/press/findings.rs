@@ -13,6 +13,7 @@ pub struct Findings {
     cycles: usize,
     seconds: f64,
     error_seconds: f64,
+    unestimated: Option<String>,
     method: LinearSolver,
     factor_mib: f64,
 }
@@ -26,6 +27,7 @@ impl Pressed {
             cycles: self.cycles,
             seconds: self.seconds,
             error_seconds: self.error_seconds,
+            unestimated: self.unestimated.clone(),
             method: self.method,
             factor_mib: self.factor_mib,
         }
@@ -45,10 +47,19 @@ impl Pressed {
         if findings.steps.is_empty() || !findings.steps.iter().all(suits) {
             return None;
         }
-        let Findings { steps, iterations, cycles, seconds, error_seconds, method, factor_mib } = findings;
-        let unknowns = assembly.problem.unknowns();
-        let setup = setup.clone();
-        Some(Self { setup, assembly, steps, unknowns, iterations, cycles, seconds, error_seconds, method, factor_mib })
+        Some(Self {
+            setup: setup.clone(),
+            unknowns: assembly.problem.unknowns(),
+            assembly,
+            steps: findings.steps,
+            iterations: findings.iterations,
+            cycles: findings.cycles,
+            seconds: findings.seconds,
+            error_seconds: findings.error_seconds,
+            unestimated: findings.unestimated,
+            method: findings.method,
+            factor_mib: findings.factor_mib,
+        })
     }
 }
 

@@ -100,7 +100,9 @@ fn motion(base: &[u32], [x, y, depth]: [f64; 3], dim: usize) -> Vec<Support> {
 }
 
 fn hold(solver: &mut Solver, state: &State, seconds: f64) -> Result<State, PathError> {
-    solver.hold(state, seconds).map_err(|cause| PathError::Hold { load: state.load, cause })
+    let fails = |cause| PathError::Hold { load: state.load, cause };
+    let mut lengths = solver.problem().steps_of_hold_s(seconds).into_iter();
+    lengths.try_fold(state.clone(), |held, length| solver.hold(&held, length)).map_err(fails)
 }
 
 /// Force of all contacts along z, N.

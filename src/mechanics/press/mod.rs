@@ -12,6 +12,7 @@
 //! that on a coarser mesh, which also estimates the error (`carry.rs`).
 
 pub mod assembly;
+mod assembly_error;
 mod carry;
 pub mod contact_curve;
 mod cost;
@@ -27,8 +28,10 @@ mod run;
 mod setup;
 mod tilt;
 
+pub use super::problem::TIME_STEPS;
 pub use super::read_out::{element_least_jacobian, element_pressure, element_stress};
 pub use assembly::Assembly;
+pub use assembly_error::AssemblyError;
 pub use contact_curve::{ContactPoint, contact_points};
 pub use cost::Cost;
 pub use error::PressError;

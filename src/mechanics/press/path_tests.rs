@@ -4,7 +4,7 @@ use super::solid_tests::{linear, run, soft_press, sphere};
 use super::*;
 use crate::mechanics::contact::Grip;
 use crate::mechanics::kinematics::Kinematics;
-use crate::mechanics::material::Prony;
+use crate::mechanics::material::{Law, Material, Prony};
 use crate::mechanics::mesh::{PhantomShape, Resolution};
 
 /// A step to a depth, slid along x.
@@ -115,4 +115,40 @@ fn steps_hold_as_loads_do_and_go_on_where_they_stopped() {
     let slow = forces(&run(&Setup { seconds_per_mm: None, ..setup.clone() }))[0];
     let left = |s: f64| 0.6 + 0.4 * 6.0 / 2.0 * ((-s / 6.0).exp() - (-(s + 2.0) / 6.0).exp());
     assert!((plain / slow - left(25.0) / 0.6).abs() < 2e-3, "{}, expected {}", plain / slow, left(25.0) / 0.6);
+}
+
+/// A phantom whose force is no even function of time, pressed at a rate and then held.
+fn relaxing_ramp(material: fn() -> Material, hold_s: f64, time_steps: usize) -> Setup {
+    let mut setup = soft_press(linear, Vec::new(), [true; 2]);
+    setup.kinematics = Kinematics::Axisymmetric;
+    setup.phantom.resolution = Resolution::PLANE.halved().finer(0.5);
+    setup.phantom_materials = vec![material().with_relaxation(vec![Prony { share: 0.6, time_s: 0.5 }]).unwrap()];
+    setup.sensor = SensorBody::Rigid { edge_radius_mm: 0.0 };
+    (setup.load, setup.seconds_per_mm, setup.hold_s) = (Load::Depths(vec![2.0]), Some(1.0), hold_s);
+    Setup { time_steps, ..setup }
+}
+
+/// Stresses change evenly within a step: one step to a load is off by per cents, and so is one of a hold. Steps as they
+/// are taken are within 0.2 % of steps a fifth as long, and the estimate of the error has what they are off.
+#[test]
+fn what_relaxes_follows_the_load_in_time() {
+    let stiffening = || Material::elastic(Law::Exponential { modulus_kpa: 5.0, exponent: 14.4 }, 0.4999).unwrap();
+    let plain = || Material::neo_hookean(5.0, 0.4999).unwrap();
+    for (name, material) in [("stiffening", stiffening as fn() -> Material), ("plain", plain as fn() -> Material)] {
+        for hold_s in [0.0, 1.0] {
+            let force = |steps: usize| forces(&run(&relaxing_ramp(material, hold_s, steps)))[0];
+            let [one, few, usual, many] = [1, 2, TIME_STEPS, 50].map(force);
+            let off = |force: f64| (force / many - 1.0).abs();
+            println!("{name}, held {hold_s} s: {many} N; off by {} {} {}", off(one), off(few), off(usual));
+            assert!(off(usual) < 2e-3, "{name} {hold_s}: {usual} N, {many} N");
+            assert!(off(one) > 4.0 * off(usual), "{name} {hold_s}: {one} N, {many} N");
+            let settings = PressSettings { estimate_error: true, ..PressSettings::default() };
+            for (steps, off) in [(2, off(few)), (TIME_STEPS, off(usual))] {
+                let pressed = press(&relaxing_ramp(material, hold_s, steps), settings, &mut |_| true).unwrap();
+                let error = pressed.steps[0].error.unwrap().force;
+                println!("by {steps} steps said to be off by {error}");
+                assert!(error > off, "{name} {hold_s}, {steps} steps: {error}, off by {off}");
+            }
+        }
+    }
 }

@@ -48,6 +48,8 @@ pub struct Pressed {
     pub seconds: f64,
     /// Seconds of the error estimate.
     pub error_seconds: f64,
+    /// Why there is no estimate at any load, though it was asked for.
+    pub unestimated: Option<String>,
     /// How linear systems were solved.
     pub method: LinearSolver,
     /// Memory of the matrix's factor, or of multigrid's levels, MiB.

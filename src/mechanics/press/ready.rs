@@ -72,6 +72,7 @@ impl Ready {
             cycles,
             seconds: (meshing + start.elapsed()).as_secs_f64(),
             error_seconds: 0.0,
+            unestimated: None,
             method,
             factor_mib,
         };

@@ -44,7 +44,7 @@ pub fn press_near(
     let leads = ready.takes_guesses() && (ready.slides() || estimates);
     let first = if leads { 0.25 } else { 0.0 };
     let mut coarse = if leads {
-        coarser(setup, near, settings, &mut |done| observe(Stage { done: first * done, what }))?
+        coarser(setup, near, settings.method, &mut |done| observe(Stage { done: first * done, what }))?
     } else {
         None
     };
@@ -65,26 +65,24 @@ pub fn press_near(
         Err(PressError::Stopped { cause, .. }) => {
             return Err(PressError::Stopped { cause, reached: Box::new(pressed) });
         }
+        // The press stands.
+        Err(PressError::Mesh(why)) => pressed.unestimated = Some(why.to_string()),
         done => done?,
     }
     pressed.error_seconds = before + start.elapsed().as_secs_f64();
     Ok(pressed)
 }
 
-/// The press on the next coarser mesh, read halfway to far depths too, as far as it comes; `near` is for it. Where
-/// there is no such mesh an error cannot be estimated.
+/// The press on the next coarser mesh, read halfway to far depths too, as far as it comes, if
+/// there is such a mesh; `near` is for it.
 fn coarser(
     setup: &Setup,
     near: Option<&Pressed>,
-    settings: PressSettings,
+    method: Option<LinearSolver>,
     observe: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Option<Pressed>, PressError> {
-    let ready = match Ready::new(&halfway(&setup.coarsened()), settings.method) {
-        Err(error) if settings.estimate_error => return Err(error),
-        Err(_) => return Ok(None),
-        Ok(ready) => ready,
-    };
-    ready.press_as_far(near, observe).map(Some)
+    let ready = Ready::new(&halfway(&setup.coarsened()), method);
+    ready.map_or(Ok(None), |ready| ready.press_as_far(near, observe).map(Some))
 }
 
 /// A press that is also read halfway to each depth that lies more than a millimetre beyond the one before.

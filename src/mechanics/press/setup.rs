@@ -28,7 +28,10 @@ pub struct Setup {
     pub seconds_per_mm: Option<f64>,
     /// Time for which each asked load is held before it is read, s.
     pub hold_s: f64,
-    /// Turn of the phantom about x, then y, through the middle of the touched face, degrees; three dimensions only.
+    /// Least number of steps to each load while materials relax, and what holds are divided by: between two moments
+    /// stresses are taken to change evenly.
+    pub time_steps: usize,
+    /// Turn of the phantom about x, then y, through the middle of the sensor's face, degrees; three dimensions only.
     pub tilt_deg: [f64; 2],
 }
 
@@ -96,15 +99,20 @@ const ONE_STATE_TO: f64 = 0.14;
 const FOLDING_STEP: f64 = 1.0 / 30.0;
 
 impl Setup {
-    /// The same press on elements of twice the size.
+    /// The same press on elements of twice the size, by half as many steps in time.
     pub fn halved(&self) -> Self {
-        Self { phantom: self.phantom.halved(), ..self.clone() }
+        Self { phantom: self.phantom.halved(), ..self.in_half_the_steps() }
     }
 
-    /// The same press on the next coarser mesh, nested in this one where there is such a mesh.
+    fn in_half_the_steps(&self) -> Self {
+        Self { time_steps: self.time_steps.div_ceil(2), ..self.clone() }
+    }
+
+    /// The same press on the next coarser mesh, nested in this one where there is such a mesh, by half as many steps in
+    /// time.
     pub fn coarsened(&self) -> Self {
         let phantom = PhantomMesh { resolution: self.phantom.resolution.coarsened(), ..self.phantom.clone() };
-        Self { phantom, ..self.clone() }
+        Self { phantom, ..self.in_half_the_steps() }
     }
 
     /// The same press by a rigid sensor whose edge is rounded twice as far; nothing where the sensor has no rounded

@@ -60,6 +60,7 @@ pub(super) fn soft_press(material: fn(f64) -> Material, inclusions: Vec<Inclusio
         load: Load::Depths(vec![1.0]),
         seconds_per_mm: None,
         hold_s: 0.0,
+        time_steps: TIME_STEPS,
         tilt_deg: [0.0; 2],
     }
 }

@@ -43,6 +43,7 @@ fn phantom(inclusion: Option<[f64; 3]>, soft: bool, linear: bool, depths: &[f64]
         load: Load::Depths(depths.to_vec()),
         seconds_per_mm: None,
         hold_s: 0.0,
+        time_steps: TIME_STEPS,
         tilt_deg: [0.0; 2],
     }
 }

@@ -1,10 +1,10 @@
-//! A phantom that is not pressed straight down: it is turned about x, then y, through the middle of its touched face.
+//! A phantom that is not pressed straight down: it is turned about x, then y, through the middle of the sensor's face.
 //!
 //! Faces that slide are turned from the start, and depths count from where the phantom's face first meets the sensor's
 //! rim. Faces that are tied lie flat on each other at rest; there the base turns as it comes down, and has turned all
 //! the way at the last depth.
 
-use super::{Load, PressError, SensorBody, Setup};
+use super::{AssemblyError, Load, SensorBody, Setup};
 use crate::mechanics::contact::Grip;
 use crate::mechanics::kinematics::Kinematics;
 use crate::mechanics::mesh::{Boundary, Footprint, Mesh};
@@ -46,12 +46,12 @@ impl Rotation {
 ///
 /// # Errors
 /// A tilt in two dimensions.
-pub(super) fn turn(setup: &Setup, phantom: &mut Mesh) -> Result<(), PressError> {
+pub(super) fn turn(setup: &Setup, phantom: &mut Mesh) -> Result<(), AssemblyError> {
     if setup.tilt_deg == [0.0; 2] {
         return Ok(());
     }
     if setup.kinematics != Kinematics::ThreeDimensional {
-        return Err(PressError::Unsupported("a tilted press has three dimensions".into()));
+        return Err(AssemblyError::Unsupported("a tilted press has three dimensions".into()));
     }
     if setup.grip == Grip::Bonded {
         return Ok(());
@@ -96,12 +96,12 @@ fn rim(setup: &Setup, radius: f64) -> Vec<[f64; 3]> {
 ///
 /// # Errors
 /// A press by force: how far the base has turned would not be known.
-pub(super) fn turn_base(setup: &Setup, phantom: &Mesh, supports: &mut [Support]) -> Result<(), PressError> {
+pub(super) fn turn_base(setup: &Setup, phantom: &Mesh, supports: &mut [Support]) -> Result<(), AssemblyError> {
     if setup.tilt_deg == [0.0; 2] || setup.grip != Grip::Bonded {
         return Ok(());
     }
     let Load::Depths(depths) = &setup.load else {
-        return Err(PressError::Unsupported(
+        return Err(AssemblyError::Unsupported(
             "a tied press that tilts is one to depths, not to forces or in steps".into(),
         ));
     };

@@ -96,13 +96,13 @@ fn section(mesh: &Mesh, corners: &mut Corners) -> Vec<usize> {
 }
 
 /// An element, and corners of one of its faces on its lattice.
-type Face = (usize, [usize; 4]);
+type Side = (usize, [usize; 4]);
 
 /// Faces of bricks that no other of their region shares; with `half`, of those beyond y = 0 alone.
 fn surface(mesh: &Mesh, half: bool, corners: &mut Corners) -> Vec<usize> {
     let size = mesh.element_size();
     let is_kept = |e: usize| !half || mesh.nodes[mesh.element(e)[size / 2] as usize][1] > 0.0;
-    let mut faces: HashMap<[u32; 4], Option<Face>> = HashMap::new();
+    let mut faces: HashMap<[u32; 4], Option<Side>> = HashMap::new();
     for e in (0..mesh.element_count()).filter(|&e| is_kept(e)) {
         for face in FACES {
             let mut key = face.map(|i| mesh.element(e)[i]);
@@ -110,9 +110,9 @@ fn surface(mesh: &Mesh, half: bool, corners: &mut Corners) -> Vec<usize> {
             faces.entry(key).and_modify(|seen| *seen = None).or_insert(Some((e, face)));
         }
     }
-    let mut open: Vec<Face> = faces.into_values().flatten().collect();
+    let mut open: Vec<Side> = faces.into_values().flatten().collect();
     open.sort_unstable();
-    let corner = |(e, face): Face| face.map(|i| corners.of(mesh.region[e], mesh.element(e)[i], Some(size * e + i)));
+    let corner = |(e, face): Side| face.map(|i| corners.of(mesh.region[e], mesh.element(e)[i], Some(size * e + i)));
     open.into_iter().flat_map(corner).collect()
 }
 

@@ -2,6 +2,7 @@
 
 use super::fresnel::reflectance;
 use super::{End, Path, V3};
+use crate::scene::Wall;
 use crate::trace::constants::{EVENT_LED, EVENT_WALL, TABLE_EDGE};
 use crate::trace::cpu::vec3::v3;
 use crate::trace::launch;
@@ -10,13 +11,13 @@ use crate::trace::model::Real;
 use std::f64::consts::TAU;
 
 /// Outward axis of a wall.
-pub(in crate::trace) fn wall_axis<T: Real>(wall: u32) -> V3<T> {
-    let s = if wall & 1 == 1 { -T::one() } else { T::one() };
-    if wall < 2 { v3(s, T::zero(), T::zero()) } else { v3(T::zero(), s, T::zero()) }
+pub(in crate::trace) fn wall_axis<T: Real>(wall: Wall) -> V3<T> {
+    let s = if wall.is_low() { -T::one() } else { T::one() };
+    if wall.axis() == 0 { v3(s, T::zero(), T::zero()) } else { v3(T::zero(), s, T::zero()) }
 }
 
-fn along_of<T: Real>(wall: u32, v: V3<T>) -> T {
-    if wall < 2 { v.y } else { v.x }
+fn along_of<T: Real>(wall: Wall, v: V3<T>) -> T {
+    if wall.axis() == 0 { v.y } else { v.x }
 }
 
 impl<T: Real> Path<'_, T> {
@@ -114,7 +115,7 @@ impl<T: Real> Path<'_, T> {
         let z = led.height + r * turn.sin();
         let (sin_sq, azimuth) = self.led_direction(led);
         let out: V3<T> = wall_axis(led.wall);
-        let x_wall = led.wall < 2;
+        let x_wall = led.wall.axis() == 0;
         let tangent = if x_wall { v3(zero, one, zero) } else { v3(one, zero, zero) };
         let s = sin_sq.sqrt();
         let (mut aside, up) = (s * azimuth.sin(), s * azimuth.cos());
@@ -159,7 +160,7 @@ impl<T: Real> Path<'_, T> {
         let b_sq = dn_sq + a * a;
         let f = reflectance(a, dn_sq, self.model.surround_n * self.model.surround_n);
         let u = self.even_draw(launch::SIDE);
-        self.record(EVENT_WALL + led.wall * 2 + u32::from(u >= f), (u - f).abs());
+        self.record(EVENT_WALL + led.wall as u32 * 2 + u32::from(u >= f), (u - f).abs());
         if u < f {
             return End::Sides;
         }

@@ -22,6 +22,7 @@ pub use super::constants::{End, STRAY, UNIT, book};
 
 use super::kernel::Kernel;
 use super::model::{Model, Real};
+use crate::scene::Wall;
 
 /// One event of a path and how far its decision was from going the other way (a probability or a squared momentum).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,8 +88,8 @@ pub struct Path<'m, T: Real> {
     pub aimed: bool,
     /// Interactions.
     pub bounces: u32,
-    /// Wall it met: 0 +x, 1 -x, 2 +y, 3 -y.
-    pub wall: u32,
+    /// Wall it met last.
+    pub wall: Wall,
     /// Reflections at outer faces; with [`STRAY`], others too.
     pub turns: u32,
     /// Normal of the touched face at [`End::Touch`].
@@ -127,7 +128,7 @@ impl<'m, T: Real> Path<'m, T> {
             aimed: false,
             seed: 0,
             bounces: 0,
-            wall: 0,
+            wall: Wall::PlusX,
             turns: 0,
             normal: V3::up(),
             lost: false,

@@ -2,7 +2,7 @@
 
 use super::fresnel::fresnel;
 use super::{End, Limits, Path, book, units};
-use crate::trace::constants::{EVENT_END, EVENT_TISSUE};
+use crate::trace::constants::{EVENT_END, EVENT_TISSUE, SPLAT_STEPS};
 use crate::trace::model::{Model, Real};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -122,7 +122,7 @@ impl<T: Real> Path<'_, T> {
             s = T::of(0.5) * high;
         }
         let mut slope = zero;
-        for _ in 0..24 {
+        for _ in 0..SPLAT_STEPS {
             let c_0 = (n_0 * n_0 - s * s).sqrt();
             let mut reach = camera.distance * s / c_0;
             slope = camera.distance * n_0 * n_0 / (c_0 * c_0 * c_0);

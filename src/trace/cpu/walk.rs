@@ -10,6 +10,7 @@ use super::fresnel::fresnel;
 use super::surface::far;
 use super::vec3::V3;
 use super::{End, Path, book};
+use crate::scene::Wall;
 use crate::trace::constants::{
     EVENT_WALL, Finish, KEEP_AT_LEAST, LEAST_EYE, LEAST_EYE_TOUCHED, LEAST_PHOTON, MOST_KEPT, STRAY,
 };
@@ -148,8 +149,8 @@ impl<T: Real> Path<'_, T> {
     }
 
     fn meet_wall(&mut self) -> End {
-        let code = EVENT_WALL + self.wall * 2;
-        let along_x = self.wall < 2;
+        let code = EVENT_WALL + self.wall as u32 * 2;
+        let along_x = self.wall.axis() == 0;
         match self.model.walls {
             Walls::Clear => {
                 let layer = self.model.layers[self.layer];
@@ -253,8 +254,8 @@ impl<T: Real> Path<'_, T> {
                 self.o.y = rim_y;
             }
             self.wall = match at_x {
-                true => u32::from(p.x <= zero),
-                false => 2 + u32::from(p.y <= zero),
+                true => Wall::across(0, p.x <= zero),
+                false => Wall::across(1, p.y <= zero),
             };
             self.leave_trail();
             if deformed && self.layer > top {

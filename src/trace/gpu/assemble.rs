@@ -138,7 +138,12 @@ fn accessors(model: &Model<f32>) -> (String, Numbers) {
     let word = |v: usize| format!("{v}u");
     accessor(&mut text, "led_wall", "u32", model.leds.iter().map(|l| word(l.wall as usize)));
     accessor(&mut text, "led_air", "u32", model.leds.iter().map(|l| word(usize::from(l.air))));
-    accessor(&mut text, "led_table", "u32", model.leds.iter().map(|l| word(l.table.unwrap_or(u32::MAX as usize))));
+    accessor(
+        &mut text,
+        "led_table",
+        "u32",
+        model.leds.iter().map(|l| word(l.table.unwrap_or(constants::NO_TABLE as usize))),
+    );
     let mut picked = |name: &str, cumulative: fn(&Led<f32>) -> f32| {
         let past = model.leds.iter().rev().skip(1);
         let past = past.map(|l| format!(" + select(0u, 1u, u >= {})", numbers.hold(cumulative(l))));

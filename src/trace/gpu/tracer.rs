@@ -4,6 +4,7 @@ use super::assemble::{Entry, constants, source};
 use super::device::{Gpu, KernelText};
 use super::layout;
 use crate::trace::TraceError;
+use crate::trace::constants::{EVENTS, WORKGROUP};
 use crate::trace::cpu::{Limits, UNIT, book};
 use crate::trace::finite;
 use crate::trace::kernel::{Kernel, ShapePiece};
@@ -12,9 +13,6 @@ use crate::trace::modes::{CameraMode, Fates, PhotonMode, deposit_cells};
 use std::collections::HashMap;
 use std::sync::Arc;
 use wgpu::BufferUsages as Usage;
-
-/// Threads per workgroup, as in the entry points.
-const WORKGROUP: u32 = 64;
 
 /// A change to a kernel's WGSL before it is compiled.
 pub type SourceEdit = Box<dyn Fn(Entry, String) -> String + Send + Sync>;
@@ -137,12 +135,12 @@ impl GpuTracer {
         &self.gpu
     }
 
-    /// Keeps event histories of the paths of each following chunk: 64 words a path, the first their number.
+    /// Keeps event histories of the paths of each following chunk: [`EVENTS`] words a path, the first their number.
     ///
     /// # Errors
     /// `Memory` where the device does not hold so many.
     pub fn record_events(&mut self, paths: u32) -> Result<(), TraceError> {
-        let bytes = 4 * 64 * u64::from(paths);
+        let bytes = 4 * u64::from(EVENTS) * u64::from(paths);
         self.events = Some(self.gpu.buffer("events", bytes, Usage::STORAGE | Usage::COPY_SRC)?);
         self.pipelines.clear();
         Ok(())

@@ -70,7 +70,7 @@ pub struct Spot {
 impl Spot {
     /// Of an LED.
     pub fn of(model: &Model<f64>, led: &Led<f64>) -> Self {
-        Self { out: wall_axis(led.wall), face: model.half_size[usize::from(led.wall >= 2)] }
+        Self { out: wall_axis(led.wall), face: model.half_size[led.wall.axis()] }
     }
 
     /// Distance of a point from the wall, mm.
