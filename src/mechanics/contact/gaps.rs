@@ -6,8 +6,8 @@ use super::{Bending, Contact, Counterpart, Coupling, Grip, NodeGap};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// How a node moves a gap: weight, weight times normal, gradient.
-type Mover = (f64, [f64; 3], [f64; 3]);
+/// How a node moves a gap: weight, weight times normal, gradient, turning of the normal.
+type Mover = (f64, [f64; 3], [f64; 3], [[f64; 3]; 3]);
 
 /// Positions that a contact is judged by.
 #[derive(Clone, Copy)]
@@ -52,6 +52,7 @@ impl Contact {
             Counterpart::Rigid { .. } => Vec::new(),
         };
         let face = OtherFace::new(self.kinematics.dim(), &faces, self.outward());
+        let rubs = matches!(self.grip, Grip::Coulomb(_));
         let mut gaps: Vec<NodeGap> = vec![NodeGap::default(); self.nodes.len()];
         let mut moved: Vec<HashMap<u32, Mover>> = vec![HashMap::new(); self.nodes.len()];
         let mut stiffness: HashMap<(u32, u32), [[[f64; 3]; 3]; 2]> = HashMap::new();
@@ -94,6 +95,10 @@ impl Contact {
                         entry.1[i] += weight * (n * meeting.normal[i]);
                         entry.2[i] += weight * gradient[i];
                     }
+                    if rubs {
+                        let turning = meeting.turning(place, n, own.len());
+                        (0..9).for_each(|k| entry.3[k / 3][k % 3] += weight * turning[k / 3][k % 3]);
+                    }
                 }
             }
             if load > 0.0 {
@@ -108,8 +113,9 @@ impl Contact {
         for (gap, moved) in gaps.iter_mut().zip(moved) {
             let mut all: Vec<_> = moved.into_iter().collect();
             all.sort_unstable_by_key(|entry| entry.0);
-            gap.moved = all.iter().map(|(a, (weight, normal, _))| (*a, *weight, *normal)).collect();
-            gap.gradient = all.into_iter().map(|(_, (_, _, gradient))| gradient).collect();
+            gap.moved = all.iter().map(|(a, (weight, normal, ..))| (*a, *weight, *normal)).collect();
+            gap.turning = all.iter().filter(|_| rubs).map(|(_, (.., turning))| *turning).collect();
+            gap.gradient = all.into_iter().map(|(_, (_, _, gradient, _))| gradient).collect();
         }
         let mut stiffness: Vec<_> = stiffness.into_iter().collect();
         stiffness.sort_unstable_by_key(|entry| entry.0);

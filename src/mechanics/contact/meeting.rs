@@ -193,6 +193,20 @@ impl Meeting<'_> {
         }
     }
 
+    /// How the normal turns as the node at `place` of weight `n` moves, the `own` touched ones first: by rows its change
+    /// along each axis.
+    pub fn turning(&self, place: usize, n: f64, own: usize) -> [[f64; 3]; 3] {
+        match &self.second {
+            Second::Profile(second) => second.map(|row| row.map(|h| n * h)),
+            Second::Faces(faces) if place < own => {
+                let Turn { gradient, slide } = &faces.turns[0];
+                let [first, other] = gradient[place];
+                [0, 1, 2].map(|i| self.normal.map(|c| -(slide[0][i] * first + slide[1][i] * other) * c))
+            }
+            Second::Zero | Second::Faces(_) => [[0.0; 3]; 3],
+        }
+    }
+
     /// Gradient of the gap by the node at `place` of weight `n`, the `own` touched ones first: along the touched face's
     /// normal, less the counterpart's slope times the motion of the foot.
     pub fn gradient(&self, place: usize, n: f64, own: usize) -> [f64; 3] {

@@ -84,6 +84,8 @@ pub struct NodeGap {
     pub moved: Vec<(u32, f64, [f64; 3])>,
     /// Gradient of the gap by these nodes. Over a face it differs from the normal by the angle between the faces.
     pub gradient: Vec<[f64; 3]>,
+    /// How the mean normal turns with these nodes, by rows its change along each axis; none where nothing rubs.
+    pub turning: Vec<[[f64; 3]; 3]>,
 }
 
 /// Stiffness between two nodes, mN per mm.

@@ -192,11 +192,12 @@ impl Touch {
     /// Whether the matrix has not all of what the node does.
     pub fn is_odd(&self) -> bool {
         let turned = || self.gap.moved.iter().zip(&self.gap.gradient).any(|((_, _, n), gradient)| n != gradient);
-        self.hold != Hold::Free && (self.drag != [0.0; 3] || self.spring > 0.0 && turned())
+        let rubs = self.drag != [0.0; 3] || !self.gap.turning.is_empty();
+        self.hold != Hold::Free && (rubs || self.spring > 0.0 && turned())
     }
 
-    /// Change of the traction with a motion beyond that in the matrix: friction follows the pressure, and the gap's
-    /// gradient is not quite the normal.
+    /// Change of the traction with a motion beyond that in the matrix: friction follows the pressure and the face as it
+    /// turns, and the gap's gradient is not quite the normal.
     pub fn odd_answer(&self, change: &[f64], dim: usize) -> Traction {
         let normal = self.answer(change, dim).normal;
         let along: f64 = self
@@ -205,8 +206,29 @@ impl Touch {
             .iter()
             .map(|(a, _, n)| (0..dim).map(|i| n[i] * change[*a as usize * dim + i]).sum::<f64>())
             .sum();
-        let vector = self.drag.map(|c| c * normal);
+        let turned = self.turned(change, dim);
+        let vector = [0, 1, 2].map(|i| self.drag[i] * normal + turned[i]);
         Traction { normal: normal + self.spring * along / self.gap.area, vector }
+    }
+
+    /// Change of the tangential traction as the face turns: it stays in the face, and where it slips it grows as the
+    /// normal does, for friction is of the pressure on the face itself.
+    fn turned(&self, change: &[f64], dim: usize) -> [f64; 3] {
+        let mut by = [0.0; 3];
+        for ((b, ..), turning) in self.gap.moved.iter().zip(&self.gap.turning) {
+            for i in 0..dim {
+                by[i] += (0..dim).map(|j| turning[i][j] * change[*b as usize * dim + j]).sum::<f64>();
+            }
+        }
+        let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (n, t) = (self.gap.normal, self.now.vector);
+        let (square, stretch) = (dot(n, n), dot(n, by));
+        if square == 0.0 {
+            return [0.0; 3];
+        }
+        let lean = (dot(t, by) - dot(t, n) * stretch / square) / square;
+        let growth = if self.hold == Hold::Slips { stretch / square } else { 0.0 };
+        [0, 1, 2].map(|i| growth * t[i] - lean * n[i])
     }
 
     /// The part of a vector that a bonded or sticking node's spring is against.
@@ -240,5 +262,36 @@ impl Touch {
         let along = apply(&self.along, offset);
         let vector = [0, 1, 2].map(|i| self.drag[i] * normal - along[i] / self.gap.area);
         Traction { normal, vector }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Traction of a node that rubs on a slope, by differences as the slope changes and as the tangent has it.
+    #[test]
+    fn friction_turns_with_the_face() {
+        let (slope, curvature, step) = (0.7, 3.0, 1e-6);
+        let at = |slope: f64| NodeGap {
+            area: 2.0,
+            normal: [2.0 * slope, 2.0, 0.0],
+            moved: vec![(0, 2.0, [0.0; 3])],
+            gradient: vec![[0.0; 3]],
+            turning: vec![[[2.0 * curvature, 0.0, 0.0], [0.0; 3], [0.0; 3]]],
+            ..NodeGap::default()
+        };
+        for (pull, hold) in [(0.4, Hold::Sticks), (5.0, Hold::Slips)] {
+            let now = Traction { normal: 3.0, vector: [pull, -pull * slope, 0.0] };
+            let here = |slope: f64| touch(Grip::Coulomb(0.3), at(slope), now, [1.0, 10.0], [false, false, true], false);
+            let (touched, beside) = (here(slope), here(slope + curvature * step));
+            assert_eq!((touched.hold, beside.hold), (hold, hold));
+            let foretold = touched.odd_answer(&[step, 0.0], 2).vector;
+            for i in 0..2 {
+                let change = beside.now.vector[i] - touched.now.vector[i];
+                assert!((foretold[i] - change).abs() < 1e-5 * step, "{hold:?} {i}: {} {change}", foretold[i]);
+            }
+            assert!(length(foretold) > 0.1 * step);
+        }
     }
 }
