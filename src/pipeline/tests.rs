@@ -252,21 +252,19 @@ fn a_phantom_that_relaxes_has_a_baseline_of_its_own_way() {
 fn a_scene_visits_each_stage_once_and_in_order() {
     let mut loaded = coarse("phantom-size-8mm");
     loaded.scene.press.as_mut().unwrap().estimate_error = true;
-    let (mut session, mut stages, mut dones) = (session(), Vec::new(), Vec::new());
+    let (mut session, mut stages) = (session(), Vec::new());
     let order = Order {
         settings: Settings { spp: 16, photons: Some(1 << 14), ..Settings::of(&loaded.scene.render) },
         ..Order::of(&loaded.scene)
     };
     let mut observe = |stage: Stage| {
         stages.push(stage.what.to_owned());
-        dones.push(stage.done);
         true
     };
     let prepared = session.prepare(loaded, &order, &mut observe).unwrap();
     let shot = session.shoot(&prepared, &mut observe).unwrap();
     assert!(shot.read(&ReadAs::default()).is_ok());
     stages.dedup();
-    println!("{stages:?}");
     let mut once = stages.clone();
     once.sort();
     once.dedup();
