@@ -8,6 +8,7 @@ use crate::converge::{Climb, Part};
 use crate::output::leftovers::leftovers;
 use crate::output::{RESULT, Records, SCENE};
 use crate::pages::converge::{table, write};
+use crate::pipeline::Session;
 use crate::scene::open;
 use crate::trace::Settings;
 use clap::Args;
@@ -59,12 +60,12 @@ impl Converge {
         }
         let shrink = self.shrink.unwrap_or(if self.quick { 8 } else { 1 });
         loaded.scene.camera.shrink(shrink);
-        let devices = self.backend.open(self.talk.quiet)?;
+        let mut session = Session::from(self.backend.open(self.talk.quiet)?);
         let own = Settings::of(&loaded.scene.render);
-        let climb = Climb {
+        let mut climb = Climb {
             loaded: &loaded,
             settings: Settings { seed: self.seed.unwrap_or(own.seed), ..own },
-            devices: &devices,
+            session: &mut session,
             most_spp: self.spp.unwrap_or_else(|| Climb::usual_spp(&loaded, self.quick)),
             quick: self.quick,
             only: self.only,

@@ -4,13 +4,15 @@ use super::light::{Choice, LightError, Subject};
 use super::mechanics::{self, Found as PressFound};
 use super::{Ladders, Rung, is_lit};
 use crate::mechanics::from_scene::press_setup;
-use crate::mechanics::press::{Load, PressError, PressSettings, Pressed, press};
+use crate::mechanics::press::{Load, Pressed};
 use crate::output::{OutputError, Records};
+use crate::pipeline::{Order, PipelineError, Session};
 use crate::progress::{Observer, Stage};
 use crate::scene::LoadedScene;
-use crate::trace::{Devices, Settings};
+use crate::trace::Settings;
 use serde_json::{Value, json};
 use std::str::FromStr;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Why ladders were not climbed to their end.
@@ -20,7 +22,7 @@ pub enum ClimbError {
     #[error(transparent)]
     Light(#[from] LightError),
     #[error(transparent)]
-    Press(#[from] PressError),
+    Pipeline(#[from] PipelineError),
     #[error(transparent)]
     Output(#[from] OutputError),
 }
@@ -40,8 +42,8 @@ pub struct Climb<'a> {
     pub loaded: &'a LoadedScene,
     /// What is asked of the light.
     pub settings: Settings,
-    /// What traces it.
-    pub devices: &'a Devices,
+    /// What presses and traces it.
+    pub session: &'a mut Session,
     /// Highest samples a pixel.
     pub most_spp: u32,
     /// Few and low rungs.
@@ -77,7 +79,7 @@ impl Climb<'_> {
             "most_spp": self.most_spp,
             "shrink": shrink,
             "seed": self.settings.seed,
-            "backend": if self.devices.is_gpu() { "Gpu" } else { "Cpu" },
+            "backend": if self.session.devices().is_gpu() { "Gpu" } else { "Cpu" },
             "version": crate::version::VERSION,
             "sources": crate::version::SOURCES,
         })
@@ -87,7 +89,7 @@ impl Climb<'_> {
     ///
     /// # Errors
     /// Those of a stage, of the records, and a stop.
-    pub fn run(&self, records: &Records, observe: &mut Observer) -> Result<Ladders, ClimbError> {
+    pub fn run(&mut self, records: &Records, observe: &mut Observer) -> Result<Ladders, ClimbError> {
         let mut rungs = Vec::new();
         let mechanics = match self.only {
             Some(Part::Light) => Err("not asked for".to_owned()),
@@ -107,7 +109,7 @@ impl Climb<'_> {
         rungs: &mut Vec<Rung>,
         observe: &mut Observer,
     ) -> Result<Result<String, String>, ClimbError> {
-        let setup = press_setup(self.loaded)?;
+        let setup = press_setup(self.loaded).map_err(PipelineError::from)?;
         let choices = mechanics::choices(&setup, self.quick);
         // Work grows about with the cube of the divisions: that of a step is that of a mesh.
         let cost = |choice: &mechanics::Choice| (choice.setup.phantom.resolution.subdivision as f64).powi(3);
@@ -120,7 +122,7 @@ impl Climb<'_> {
                 let done = |stage: Stage| (before + stage.done * cost(&choice)) / total;
                 let found =
                     mechanics::run(&choice.setup, &mut |stage| observe(Stage { done: done(stage), what: &what }));
-                found.map_err(ClimbError::from)
+                found.map_err(|error| ClimbError::from(PipelineError::from(error)))
             })?;
             before += cost(&choice);
             all.push((choice, found));
@@ -141,18 +143,18 @@ impl Climb<'_> {
     }
 
     fn light(
-        &self,
+        &mut self,
         records: &Records,
         rungs: &mut Vec<Rung>,
         observe: &mut Observer,
     ) -> Result<Result<String, String>, ClimbError> {
         let pressed = self.pressed(observe)?;
-        let step = pressed.as_ref().and_then(|pressed| Some((pressed, pressed.steps.last()?)));
+        let step = pressed.as_deref().and_then(|pressed| Some((pressed, pressed.steps.last()?)));
         let subject = Subject {
             loaded: self.loaded,
             press: step,
             settings: self.settings.clone(),
-            devices: self.devices,
+            devices: self.session.devices(),
             most_spp: self.most_spp,
             repeats: if self.quick { 3 } else { 4 },
             quick: self.quick,
@@ -186,11 +188,9 @@ impl Climb<'_> {
     }
 
     /// The scene's press, where it has one.
-    fn pressed(&self, observe: &mut Observer) -> Result<Option<Pressed>, ClimbError> {
-        if self.loaded.scene.press.is_none() {
-            return Ok(None);
-        }
-        let setup = press_setup(self.loaded)?;
-        Ok(Some(press(&setup, PressSettings::default(), observe)?))
+    fn pressed(&mut self, observe: &mut Observer) -> Result<Option<Arc<Pressed>>, PipelineError> {
+        let Some(_) = self.loaded.scene.press else { return Ok(None) };
+        let order = Order::of(&self.loaded.scene);
+        self.session.press(self.loaded, &order, observe).map(Some)
     }
 }

@@ -113,7 +113,7 @@ impl Failure {
     #[must_use]
     pub fn of_climb(error: ClimbError, file: &Path) -> Self {
         match error {
-            ClimbError::Press(error) => PressFailure::of(error, file).failure,
+            ClimbError::Pipeline(error) => Self::of_scene(error, file),
             ClimbError::Light(error) => error.into(),
             ClimbError::Output(error) => error.into(),
         }

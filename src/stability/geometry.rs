@@ -79,8 +79,8 @@ fn inside(model: &Model<f32>, layer: usize, o: [f64; 3], d: [f64; 3]) -> Start {
     Start { o: o.map(|v| v as f32), p: d.map(|v| v as f32 * n), layer, steps: STEPS }
 }
 
-/// By 0.1 degrees from the horizontal down to nothing: in each layer's middle, and along its lower face.
-fn grazing(model: &Model<f32>) -> Vec<Start> {
+/// Rays by 0.1 degrees from the horizontal down to nothing: in each layer's middle, and along its lower face.
+pub fn grazing(model: &Model<f32>) -> Vec<Start> {
     let at = [-14.0, 9.0];
     let mut starts = Vec::new();
     for layer in 1..model.faces.len() {
@@ -98,9 +98,9 @@ fn grazing(model: &Model<f32>) -> Vec<Start> {
     starts
 }
 
-/// From the middle of each layer through its upper corners and the edges of two walls, along the axis, and from a
+/// Rays from the middle of each layer through its upper corners and the edges of two walls, along the axis, and from a
 /// corner inwards.
-fn corners(model: &Model<f32>) -> Vec<Start> {
+pub fn corners(model: &Model<f32>) -> Vec<Start> {
     let [half_x, half_y] = model.half_size.map(f64::from);
     let mut starts = Vec::new();
     for step in 0..64u32 {

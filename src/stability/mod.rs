@@ -19,6 +19,7 @@ mod walks;
 pub mod watch;
 
 pub use compressibility::{PressureSample, pressure_errors};
+pub use geometry::{corners, grazing};
 pub use reflectance::{Sample, about_critical};
 pub use row::{Part, Row, Subject};
 pub use tracer::{Finish, Start, Tracer};
@@ -29,6 +30,7 @@ use crate::mechanics::material::MaterialError;
 use crate::mechanics::mesh::MeshError;
 use crate::mechanics::path::PathError;
 use crate::mechanics::press::PressError;
+use crate::pipeline::PipelineError;
 use crate::progress::{Observer, Stage};
 use crate::scene::SceneError;
 use crate::surface::SurfaceError;
@@ -53,6 +55,8 @@ pub enum StabilityError {
     Path(#[from] PathError),
     #[error(transparent)]
     Press(#[from] PressError),
+    #[error(transparent)]
+    Pipeline(#[from] PipelineError),
     #[error(transparent)]
     Image(#[from] GreyImageError),
     #[error(transparent)]

@@ -1,12 +1,10 @@
 //! Scenes that are hard on the tracer's geometry.
 
 use super::StabilityError;
-use crate::mechanics::from_scene::press_setup;
-use crate::mechanics::press::{PressSettings, press};
-use crate::pipeline::model_of;
+use crate::pipeline::{Order, Session, model_of};
 use crate::scene::{Inner, Layer, Lens, LoadedScene, Normals, PRESETS, Roughness, Scene, Shape, Walls, preset};
 use crate::surface::{HeightField, Surface};
-use crate::trace::Model;
+use crate::trace::{Devices, Model, Precision};
 
 /// Pixels of the camera, which plays no part.
 const PIXELS: [u32; 2] = [4, 3];
@@ -40,9 +38,9 @@ fn variant(name: &str, change: impl FnOnce(&mut Scene)) -> Result<Model<f64>, St
 fn pressed(name: &str) -> Result<Model<f64>, StabilityError> {
     let mut loaded = preset(name)?;
     loaded.scene.camera.pixels = PIXELS;
-    let pressed = press(&press_setup(&loaded)?, PressSettings::default(), &mut |_| true)?;
-    let step = pressed.steps.last().ok_or(StabilityError::Missing("no load was reached"))?;
-    Ok(model_of(&loaded, Some((&pressed, step)))?.2)
+    let order = Order::of(&loaded.scene);
+    let mut session = Session::from(Devices::cpu(Precision::F64));
+    Ok(session.prepare(loaded, &order, &mut |_| true)?.model)
 }
 
 /// A flat stack with mirrors all round and without LEDs.
@@ -91,7 +89,7 @@ pub const THIN: [[f64; 2]; 6] =
 /// fields, a mesh, mirrors, a lens, contact on a deformed face, thin layers.
 ///
 /// # Errors
-/// As [`model`]; `Press` where the pressed phantom does not come to its load, `File` where no temporary folder can be
+/// As [`model`]; `Pipeline` where the pressed phantom does not come to its load, `File` where no temporary folder can be
 /// written.
 pub fn hard_scenes(quick: bool) -> Result<Vec<HardScene>, StabilityError> {
     let mut scenes = Vec::new();
