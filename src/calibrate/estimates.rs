@@ -1,7 +1,7 @@
 //! What frames say of an inclusion by a calibration, and where it says nothing.
 
 use super::model::{LED_SPREAD, Role};
-use super::{Blocks, FrameModel, Frames};
+use super::{Blocks, FrameModel, Frames, PressFrame};
 use crate::estimate::{Detected, Estimates, Value};
 use crate::infer::{Nuisance, Posterior, Seen, TAILS, Told, Unknown};
 use serde::Serialize;
@@ -210,18 +210,41 @@ impl FrameModel {
         Ok(told)
     }
 
+    /// Whether each frame is that of a press which the calibration knows, and of another than the rest.
+    fn knows_presses(&self, frames: &Frames) -> Result<(), String> {
+        let known = || self.depths_mm.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+        let of = |frame: &PressFrame| self.depths_mm.iter().position(|depth_mm| frame.is_of(*depth_mm));
+        let mut loads = Vec::new();
+        for frame in &frames.frames {
+            let depth_mm = frame.depth_mm;
+            match of(frame) {
+                None => {
+                    let known = known();
+                    return Err(format!(
+                        "the frame of {depth_mm} mm is of no press that the calibration knows, {known} mm deep"
+                    ));
+                }
+                Some(load) if loads.contains(&load) => {
+                    return Err(format!("the frame of {depth_mm} mm is the second of one press"));
+                }
+                Some(load) => loads.push(load),
+            }
+        }
+        match loads.is_empty() {
+            true => Err(format!("no frame is of a press that the calibration knows, {} mm deep", known())),
+            false => Ok(()),
+        }
+    }
+
     /// Frames as the calibration reads them.
     fn seen(&self, frames: &Frames) -> Result<Seen, String> {
+        self.knows_presses(frames)?;
         let blocks = Blocks { count: self.blocks };
         let loads = self.depths_mm.iter().map(|depth_mm| match frames.at(*depth_mm) {
             Some(frame) => frames.blocks(frame.image, blocks).map(Some),
             None => Ok(None),
         });
         let loads = loads.collect::<Result<Vec<_>, String>>()?;
-        if loads.iter().all(Option::is_none) {
-            let depths: Vec<String> = self.depths_mm.iter().map(f64::to_string).collect();
-            return Err(format!("no frame is of a press that the calibration knows, {} mm deep", depths.join(", ")));
-        }
         let read = |[load, block]: &[usize; 2]| loads.get(*load)?.as_ref()?.get(*block).copied().flatten();
         let read: Vec<_> = self.elements.iter().map(read).collect();
         Ok(Seen {

@@ -85,11 +85,17 @@ pub struct Presses<'a> {
     pub force_error: f64,
 }
 
+impl PressFrame<'_> {
+    /// Whether it is of the press to a depth, mm.
+    pub(super) fn is_of(&self, depth_mm: f64) -> bool {
+        (self.depth_mm - depth_mm).abs() <= SAME_DEPTH * depth_mm
+    }
+}
+
 impl Frames<'_> {
     /// The frame of a load.
     pub(super) fn at(&self, depth_mm: f64) -> Option<&PressFrame<'_>> {
-        let close = |frame: &&PressFrame| (frame.depth_mm - depth_mm).abs() <= SAME_DEPTH * depth_mm;
-        self.frames.iter().find(close)
+        self.frames.iter().find(|frame| frame.is_of(depth_mm))
     }
 
     /// The blocks of a frame; none where a pixel of the block is saturated, or the block too dark.

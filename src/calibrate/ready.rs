@@ -33,9 +33,10 @@ pub fn estimates_of(given: Option<&FrameModel>, loaded: &LoadedScene, frames: &[
         Ok(()) => {
             let scene = &loaded.scene;
             let (camera, wavelength_nm) = (&scene.camera, scene.light.wavelength_nm);
-            let frames = frames.iter();
             let frames =
-                frames.map(|(depth_mm, image)| PressFrame { depth_mm: *depth_mm, image, force_n: None }).collect();
+                frames.iter().map(|(depth_mm, image)| PressFrame { depth_mm: *depth_mm, image, force_n: None });
+            // A scene may press to other depths too.
+            let frames = frames.filter(|frame| model.depths_mm.iter().any(|depth_mm| frame.is_of(*depth_mm))).collect();
             model.estimates(&Frames { camera, wavelength_nm, frames, force_error: FORCE_ERROR })
         }
     }

@@ -77,6 +77,10 @@ fn a_phantom_is_estimated_and_its_frames_say_the_same_from_anywhere() {
     let other = json(&of_images(&["--depths-mm", "1.5,2.5,5"]));
     assert!(other["inferred"]["undefined"].is_string(), "{other}");
     assert!(other["estimates"]["size_mm"]["undefined"].as_str().unwrap().contains("1, 2, 4 mm deep"), "{other}");
+    let odd = json(&of_images(&["--depths-mm", "1,2,3"]));
+    assert!(odd["inferred"]["undefined"].as_str().unwrap().contains("of 3 mm is of no press"), "{odd}");
+    let twice = json(&of_images(&["--depths-mm", "1,1.001,4"]));
+    assert!(twice["inferred"]["undefined"].as_str().unwrap().contains("second of one press"), "{twice}");
     assert_eq!(code(&of_images(&["--depths-mm", "1,2"])), 2);
 
     // The same frames half as bright, and as levels of 16 bits: neither is read as a phantom.

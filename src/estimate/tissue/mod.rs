@@ -134,6 +134,14 @@ pub enum TissueError {
         /// Those that are needed.
         needed: usize,
     },
+    /// Too much to fit at once.
+    #[error("{features} features of the frames are too many to be fitted together, {most} can be: leave frames out")]
+    TooMany {
+        /// Those there are.
+        features: usize,
+        /// Those that can be.
+        most: usize,
+    },
     /// A frame that is cut off tells no force.
     #[error("the frame at {position_mm} mm ends within the contact: its force is not known")]
     Cut {

@@ -92,6 +92,9 @@ fn third_difference(x: &[f64], p: &[f64]) -> f64 {
     weights.iter().zip(p).map(|(w, p)| w * p).sum::<f64>() / size
 }
 
+/// Features that can be fitted at once: their covariance has as many entries as the square of that.
+const MOST_FEATURES: usize = 2_000;
+
 /// The features of a frame, none where it has none.
 pub(super) fn numbers(features: &Features) -> [Option<f64>; KINDS] {
     [&features.peak_kpa, &features.base_kpa, &features.fwhm_mm, &features.eccentricity].map(|figure| figure.value())
@@ -129,6 +132,9 @@ impl Seen {
                     values.push(value);
                 }
             }
+        }
+        if used.len() > MOST_FEATURES {
+            return Err(TissueError::TooMany { features: used.len(), most: MOST_FEATURES });
         }
         let covariance = covariance(frames, noise, settings, &used, (STEP * highest, &[]));
         Ok(Self { used, values, covariance })

@@ -236,6 +236,9 @@ fn what_the_inverse_does_not_know_is_refused() {
     let few = Frames::new(vec![few]).unwrap();
     let narrow = Question { window_mm: Some(2.0), ..question(&good) };
     assert!(matches!(invert(&few, &narrow, &|_| true), Err(TissueError::NoNoise)));
+    let crowd = |k: u32| Frame { position_mm: 0.05 * f64::from(k), ..frames.as_slice()[10].clone() };
+    let crowd = Frames::new((0..700).map(crowd).collect()).unwrap();
+    assert!(matches!(invert(&crowd, &question(&good), &|_| true), Err(TissueError::TooMany { .. })));
     let cut = Frames::new(vec![Frame { pressure_kpa: vec![1.0; 129], ..frames.as_slice()[0].clone() }]).unwrap();
     let by_force = Question { by_force: true, ..question(&good) };
     assert!(matches!(invert(&cut, &by_force, &|_| true), Err(TissueError::Cut { .. })));
