@@ -1,18 +1,20 @@
 //! What a press in three dimensions costs: unknowns, iterations, cycles, seconds, memory.
 //!
 //!     cargo run --release --example solid_press -- SCENE [--method direct|multigrid] [--resolution R] [--depth MM]
-//!                                                  [--edge-mm R] [--sibling]
+//!                                                  [--edge-mm R] [--sibling] [--against R]
 //!
 //! Memory is the most that the process held (Linux). Runs one press and prints one row of a table. With `--sibling` the
 //! scene, a body of revolution, is pressed in two dimensions too, on elements of half the size, and rows say by how
-//! much force and pressure in rings differ.
+//! much force and pressure in rings differ. With `--against` it is pressed at another resolution too, and a row says by
+//! how much the first differs from that, the pressure rms over 0.8 of the footprint.
 
 use anyhow::{Context as _, Result};
 use clap::{Parser, ValueEnum};
 use std::path::PathBuf;
 use tirtouch::mechanics::from_scene::press_setup;
 use tirtouch::mechanics::newton::LinearSolver;
-use tirtouch::mechanics::press::{Load, PressSettings, PressStep, Pressed, press};
+use tirtouch::mechanics::press::error_estimate::difference;
+use tirtouch::mechanics::press::{Face, Load, PressSettings, PressStep, Pressed, Setup, press};
 use tirtouch::scene::{Dimensions, LoadedScene, load, preset};
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -21,7 +23,7 @@ enum How {
     Multigrid,
 }
 
-#[derive(Parser)]
+#[derive(Parser, Clone)]
 struct Arguments {
     /// Scene file, or preset:NAME.
     scene: PathBuf,
@@ -40,6 +42,9 @@ struct Arguments {
     /// Compare with the press in two dimensions.
     #[arg(long)]
     sibling: bool,
+    /// Compare with the press at this resolution.
+    #[arg(long, value_name = "R")]
+    against: Option<f64>,
 }
 
 fn scene(arguments: &Arguments) -> Result<LoadedScene> {
@@ -92,21 +97,16 @@ fn peak_gib() -> Option<f64> {
     Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / f64::from(1 << 20))
 }
 
-fn main() -> Result<()> {
-    let arguments = Arguments::parse();
-    let mut setup = press_setup(&scene(&arguments)?)?;
-    if let Some(depth) = arguments.depth {
-        setup.load = Load::Depths(vec![depth]);
-    }
+/// Presses without an estimate of the error, and says in a row what it took.
+fn row(setup: &Setup, arguments: &Arguments) -> Result<Pressed> {
     let method = arguments.method.map(|how| match how {
         How::Direct => LinearSolver::Direct,
         How::Multigrid => LinearSolver::Multigrid,
     });
-    let pressed = press(&setup, PressSettings { estimate_error: false, method }, &mut |stage| {
+    let pressed = press(setup, PressSettings { estimate_error: false, method }, &mut |stage| {
         eprintln!("{:.3}", stage.done);
         true
     })?;
-    println!("| unknowns | iterations | cycles | seconds | memory, GiB | force, N | peak, kPa |");
     let last = pressed.steps.last().context("no load was reached")?;
     println!(
         "| {} | {} | {} | {:.1} | {:.2} | {:.6} | {:.4} |",
@@ -118,8 +118,29 @@ fn main() -> Result<()> {
         last.force_n,
         last.peak_pressure_kpa,
     );
+    Ok(pressed)
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    let mut setup = press_setup(&scene(&arguments)?)?;
+    if let Some(depth) = arguments.depth {
+        setup.load = Load::Depths(vec![depth]);
+    }
+    println!("| unknowns | iterations | cycles | seconds | memory, GiB | force, N | peak, kPa |");
+    let pressed = row(&setup, &arguments)?;
     if arguments.sibling {
         compare(&arguments, &pressed)?;
+    }
+    if let Some(resolution) = arguments.against {
+        let other = press_setup(&scene(&Arguments { resolution: Some(resolution), ..arguments.clone() })?)?;
+        let other = row(&Setup { load: setup.load, ..other }, &arguments)?;
+        let [(step, face), (others, reference)] = [&pressed, &other].map(|one| {
+            let step = &one.steps[one.steps.len() - 1];
+            (step, Face::of(one, step))
+        });
+        let force = step.force_n / others.force_n - 1.0;
+        println!("force {:+.3} %, pressure {:.3} %", 100.0 * force, 100.0 * difference(&face, &reference));
     }
     Ok(())
 }
