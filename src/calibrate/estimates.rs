@@ -1,7 +1,7 @@
 //! What frames say of an inclusion by a calibration, and where it says nothing.
 
 use super::model::{LED_SPREAD, Role};
-use super::{Blocks, FrameModel, Frames, PressFrame};
+use super::{Blocks, FrameModel, Frames};
 use crate::estimate::{Detected, Estimates, Value};
 use crate::infer::{Nuisance, Posterior, Seen, TAILS, Told, Unknown};
 use serde::Serialize;
@@ -212,28 +212,19 @@ impl FrameModel {
 
     /// Whether each frame is that of a press which the calibration knows, and of another than the rest.
     fn knows_presses(&self, frames: &Frames) -> Result<(), String> {
-        let known = || self.depths_mm.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
-        let of = |frame: &PressFrame| self.depths_mm.iter().position(|depth_mm| frame.is_of(*depth_mm));
+        let depths: Vec<String> = self.depths_mm.iter().map(f64::to_string).collect();
+        let known = format!("that the calibration knows, {} mm deep", depths.join(", "));
         let mut loads = Vec::new();
         for frame in &frames.frames {
             let depth_mm = frame.depth_mm;
-            match of(frame) {
-                None => {
-                    let known = known();
-                    return Err(format!(
-                        "the frame of {depth_mm} mm is of no press that the calibration knows, {known} mm deep"
-                    ));
-                }
-                Some(load) if loads.contains(&load) => {
-                    return Err(format!("the frame of {depth_mm} mm is the second of one press"));
-                }
-                Some(load) => loads.push(load),
+            let load = self.depths_mm.iter().position(|depth_mm| frame.is_of(*depth_mm));
+            let load = load.ok_or_else(|| format!("the frame of {depth_mm} mm is of no press {known}"))?;
+            if loads.contains(&load) {
+                return Err(format!("the frame of {depth_mm} mm is the second of one press"));
             }
+            loads.push(load);
         }
-        match loads.is_empty() {
-            true => Err(format!("no frame is of a press that the calibration knows, {} mm deep", known())),
-            false => Ok(()),
-        }
+        if loads.is_empty() { Err(format!("no frame is of a press {known}")) } else { Ok(()) }
     }
 
     /// Frames as the calibration reads them.

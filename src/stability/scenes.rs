@@ -89,8 +89,8 @@ pub const THIN: [[f64; 2]; 6] =
 /// fields, a mesh, mirrors, a lens, contact on a deformed face, thin layers.
 ///
 /// # Errors
-/// As [`model`]; `Pipeline` where the pressed phantom does not come to its load, `File` where no temporary folder can be
-/// written.
+/// As [`model`]; `Pipeline` where the pressed phantom does not come to its load, `File` where no temporary folder can
+/// be written.
 pub fn hard_scenes(quick: bool) -> Result<Vec<HardScene>, StabilityError> {
     let mut scenes = Vec::new();
     let mut add = |name: &str, model: Model<f64>| scenes.push(HardScene { name: name.into(), model });
