@@ -42,8 +42,12 @@ has_adapter() {
     return 1
 }
 
-install_lavapipe() {
-    local packages=(mesa-vulkan-drivers libvulkan1) as_root=()
+has_adapter_and_loader() { has_loader && has_adapter; }
+
+packages=(mesa-vulkan-drivers libvulkan1)
+as_root=()
+# Whether and how it can be installed; the message says what is.
+may_install_lavapipe() {
     [ -z "${VK_DRIVER_FILES:-${VK_ICD_FILENAMES:-}}" ] ||
         fail "VK_DRIVER_FILES or VK_ICD_FILENAMES is set and gives no usable driver: correct it or unset it"
     command -v apt-get >/dev/null ||
@@ -56,6 +60,8 @@ install_lavapipe() {
         [ -t 0 ] || as_root=(sudo -n)
     fi
     say "no Vulkan adapter found: installing ${packages[*]}${as_root[0]:+ (by sudo)}"
+}
+install_lavapipe() {
     # ${a[@]+...}: bash before 4.4 takes an empty array for an unset variable.
     ${as_root[@]+"${as_root[@]}"} apt-get update -qq </dev/null &&
         ${as_root[@]+"${as_root[@]}"} env DEBIAN_FRONTEND=noninteractive \
@@ -66,14 +72,21 @@ install_lavapipe() {
 export PATH="$PATH:${CARGO_HOME:-${HOME:-}/.cargo}/bin"
 command -v cargo >/dev/null || fail "cargo not found: install the Rust toolchain (rustup, stable) and run this again"
 
+# What is missing: the adapter, and the browser where its tests must not be left out.
+install_missing() {
+    has_adapter_and_loader || install_lavapipe
+    [ -z "${TIRTOUCH_REQUIRE_BROWSER:-}" ] || bash tests/browser/install.sh
+}
+installing=""
 case "$(uname -s)" in
 Linux)
-    if has_loader && has_adapter; then
-        say "Vulkan adapter found"
+    if has_adapter_and_loader; then say "Vulkan adapter found"; else may_install_lavapipe; fi
+    # While the tests are compiled, where nobody has to type a password.
+    if [ "$(id -u)" -eq 0 ]; then
+        install_missing &
+        installing=$!
     else
-        install_lavapipe
-        has_loader && has_adapter || fail "lavapipe is installed, yet no Vulkan loader or driver is found"
-        say "Vulkan adapter installed"
+        install_missing
     fi
     ;;
 Darwin) say "macOS: the tests use Metal" ;;
@@ -93,14 +106,17 @@ run() {
 }
 # The package for Python is named too, though nothing of it is run here: the library then has the features of the
 # wheel's, and `python/check.sh` finds it compiled.
-packages=(-p tirtouch -p tirtouch-python)
+ours=(-p tirtouch -p tirtouch-python)
 # The library with its tests and without, side by side.
-run cargo test --profile ci --locked "${packages[@]}" --tests --no-run
+run cargo test --profile ci --locked "${ours[@]}" --tests --no-run
+[ -z "$installing" ] || wait "$installing"
+[ "$(uname -s)" != Linux ] || has_adapter_and_loader ||
+    fail "lavapipe is installed, yet no Vulkan loader or driver is found"
 # A test runs the examples and finds them built.
 examples=()
 for file in examples/*.rs; do examples+=(--example "$(basename "$file" .rs)"); done
-run cargo build --profile ci --locked "${packages[@]}" "${examples[@]}"
-run cargo test --profile ci --locked "${packages[@]}" --tests "$@"
+run cargo build --profile ci --locked "${ours[@]}" "${examples[@]}"
+run cargo test --profile ci --locked "${ours[@]}" --tests "$@"
 # Documentation examples are a run of their own in cargo.
-run cargo test --profile ci --locked "${packages[@]}" --doc "$@"
+run cargo test --profile ci --locked "${ours[@]}" --doc "$@"
 say "all tests passed"
