@@ -66,9 +66,18 @@ impl<'a> Limits<'a> {
     /// # Errors
     /// Says why there are none: an inclusion that was not learnt of, frames that cannot be read.
     pub fn bounds(&self, inclusion: &Inclusion, protocol: &Protocol, whole: bool) -> Result<Bounds, String> {
-        let place = self.model.place(inclusion)?;
+        let place = self.model.place(inclusion, &[])?;
         let told = self.model.expected(&place, protocol)?;
         self.where_told(&place, inclusion, &told, whole)
+    }
+
+    /// Bounds for an inclusion by frames that were taken of it: what they told, the noise of their light with it. The
+    /// phantom's other unknowns are those of these names, or lie in the middle of what was learnt.
+    ///
+    /// # Errors
+    /// As [`Self::bounds`].
+    pub(crate) fn by(&self, told: &Told, inclusion: &Inclusion, others: &[(&str, f64)]) -> Result<Bounds, String> {
+        self.where_told(&self.model.place(inclusion, others)?, inclusion, told, false)
     }
 
     /// Bounds where frames told this much.
@@ -117,8 +126,8 @@ impl FrameModel {
             .collect()
     }
 
-    /// Coordinates of an inclusion; the rest in the middle of what was learnt.
-    fn place(&self, inclusion: &Inclusion) -> Result<Vec<f64>, String> {
+    /// Coordinates of an inclusion, and of others by their names; the rest in the middle of what was learnt.
+    fn place(&self, inclusion: &Inclusion, others: &[(&str, f64)]) -> Result<Vec<f64>, String> {
         let unknowns = self.learnt.scored.unknowns.iter().zip(&self.roles);
         unknowns
             .map(|(unknown, role)| {
@@ -127,7 +136,10 @@ impl FrameModel {
                     Role::Size => inclusion.size_mm,
                     Role::Depth => inclusion.depth_mm,
                     Role::Youngs => inclusion.youngs_kpa,
-                    Role::Other => return Ok(0.5 * (low + high)),
+                    Role::Other => match others.iter().find(|(name, _)| *name == unknown.name) {
+                        Some((_, value)) => *value,
+                        None => return Ok(0.5 * (low + high)),
+                    },
                 };
                 let at = unknown.prior.coordinate(value);
                 let known = || {

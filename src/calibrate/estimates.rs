@@ -50,6 +50,9 @@ pub struct Inferred {
     /// Draws of the unknowns.
     #[serde(skip)]
     pub posterior: Posterior,
+    /// What the frames tell of the scores.
+    #[serde(skip)]
+    pub told: Told,
 }
 
 /// What is known of an unknown.
@@ -101,13 +104,13 @@ impl FrameModel {
             Ok((told, posterior, leds)) => {
                 let estimates = self.said(&told, &posterior);
                 let is_there = estimates.detected != Detected::Known(false);
-                (estimates, Ok(self.inferred(&told, posterior, &leds, is_there)))
+                (estimates, Ok(self.inferred(told, posterior, &leds, is_there)))
             }
         }
     }
 
     /// All that is inferred.
-    fn inferred(&self, told: &Told, posterior: Posterior, leds: &[f64], is_there: bool) -> Inferred {
+    fn inferred(&self, told: Told, posterior: Posterior, leds: &[f64], is_there: bool) -> Inferred {
         let unknowns = &self.learnt.scored.unknowns;
         let value = |k: usize| match self.roles.get(k) {
             Some(Role::Other) => self.value(&posterior, k),
@@ -132,6 +135,7 @@ impl FrameModel {
             noise: told.noise_factor.sqrt(),
             draws: posterior.worth,
             posterior,
+            told,
         }
     }
 

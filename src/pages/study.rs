@@ -10,7 +10,7 @@ use crate::estimate::{Detected, Value};
 use crate::progress::Stage;
 use crate::report::{AxisName, Item, LogPlot, LogPoint, LogSeries, LogStyle, Report, Section, Table, log_plot};
 use crate::statistics::RankHistogram;
-use crate::study::{Parts, Quantity, Reader, Summary, Told, Trial, UnknownSummary, readings, trials};
+use crate::study::{Parts, Quantity, Reader, Smallest, Summary, Told, Trial, UnknownSummary, readings, trials};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -120,6 +120,7 @@ fn csv(phantoms: &[Trial], empty: &[Trial]) -> Result<String, PageError> {
     heads.extend(quantities.map(|name| format!("true_{name}")));
     heads.extend(["phantom_youngs_kpa".to_owned(), "detected".to_owned()]);
     heads.extend(quantities.iter().flat_map(|name| ends(name)));
+    heads.extend(quantities.map(|name| format!("{name}_bound")));
     let number = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
     let of_sweep = |sweep: &'static str, trials: &'_ [Trial]| -> Vec<Vec<String>> {
         let row = |trial: &Trial| {
@@ -138,6 +139,7 @@ fn csv(phantoms: &[Trial], empty: &[Trial]) -> Result<String, PageError> {
                 }
                 Value::Undefined { reason } => [String::new(), String::new(), String::new(), reason.clone()],
             }));
+            cells.extend((0..3).map(|k| number(truth.zip(trial.bounds[k]).map(|(truth, bound)| truth[k] * bound))));
             cells
         };
         trials.iter().map(row).collect()
@@ -219,7 +221,8 @@ impl Page<'_> {
         let (mut facts, mut sections) = (self.facts(), Vec::new());
         if self.quantities().next().is_some() {
             facts.push(("smallest found in 95 of 100".to_owned(), super::facts::said(&self.summary.smallest_mm, "mm")));
-            sections.push(Section { title: "Errors".into(), items: vec![Item::Table(self.errors())] });
+            let items = vec![Item::Table(self.errors()), Item::Table(self.bounds()), Item::Table(self.smallest())];
+            sections.push(Section { title: "Errors".into(), items });
         }
         for (k, quantity) in self.quantities() {
             sections.push(section(k, quantity, trials)?);
@@ -267,6 +270,36 @@ impl Page<'_> {
                     .into(),
             columns: ["", "known of", "median error", "half width", "intervals that hold"].map(str::to_owned).to_vec(),
             rows: self.summary.unknowns.iter().map(row).collect(),
+        }
+    }
+
+    /// Errors of all quantities over what their frames could tell at best.
+    fn bounds(&self) -> Table {
+        let columns = ["", "median bound", "bound below 20 % of", "error over bound"];
+        let row = |quantity: &Quantity| {
+            vec![
+                named(quantity.name).0.to_owned(),
+                share(quantity.median_bound),
+                format!("{} of {} known", quantity.bounded, quantity.known),
+                super::facts::said(&quantity.error_over_bound, ""),
+            ]
+        };
+        Table {
+            caption: "Errors over the Cramér-Rao bound of the same frames, root mean square where that is below 20 %;                       1 is the least that unbiased estimates reach"
+                .into(),
+            columns: columns.map(str::to_owned).to_vec(),
+            rows: self.quantities().map(|(_, quantity)| row(quantity)).collect(),
+        }
+    }
+
+    /// The smallest that is found, by depth.
+    fn smallest(&self) -> Table {
+        let row =
+            |one: &Smallest| vec![one.name.clone(), one.told.to_string(), super::facts::said(&one.smallest_mm, "mm")];
+        Table {
+            caption: "The smallest diameter that is found in 95 of 100".into(),
+            columns: ["phantoms", "told of", "diameter"].map(str::to_owned).to_vec(),
+            rows: self.summary.smallest_by_depth.iter().map(row).collect(),
         }
     }
 
@@ -411,6 +444,7 @@ mod tests {
             phantom_youngs_kpa: Some(5.0),
             estimates: Estimates::undefined("nothing is asked of it"),
             ranks: [None; 3],
+            bounds: [None; 3],
             others: vec![Other { name: "contact".into(), truth: 5.0, value }],
         }
     }

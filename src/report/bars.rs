@@ -53,7 +53,8 @@ pub fn bar_plot(plot: &BarPlot) -> Result<String, PictureError> {
     };
     let fill = |kind: usize| format!(r#"fill="{}""#, CURVE_COLORS[kind % CURVE_COLORS.len()]);
     let key = |(kind, text): (usize, &&str)| Key { mark: Mark::Box(fill(kind)), text: (*text).to_owned() };
-    let keys: Vec<Key> = plot.kinds.iter().enumerate().map(key).collect();
+    // One kind is what the title says.
+    let keys: Vec<Key> = plot.kinds.iter().enumerate().map(key).filter(|_| plot.kinds.len() > 1).collect();
     let legend_top = area[1] + area[3] + 68.0;
     let height = legend_top + axes::legend_height(&keys, WIDTH);
     let mut svg = Svg::new(left + WIDTH + 30.0, height, plot.title, plot.subtitle);

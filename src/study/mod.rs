@@ -13,7 +13,7 @@ mod trial;
 pub use file::{Parts, StudyFile};
 pub use paper::{Paper, PaperFigure, PaperSummary, Phantom, Reading, readings};
 pub use reader::Reader;
-pub use summary::{Group, Quantity, Reason, Summary, Told, UnknownSummary};
+pub use summary::{Group, Quantity, Reason, Smallest, Summary, Told, UnknownSummary};
 pub use trial::{How, Other, Trial, trials};
 
 use crate::calibrate::CalibrateError;

@@ -176,7 +176,7 @@ pub fn readings(
         let (value, stiffness) = paper.read(&frames, mm_per_pixel, calibration);
         let settings = paper.settings();
         let warnings = frames.iter().flat_map(|frame| estimate(frame, &settings).warnings).collect();
-        let press_mm = image.load.map_or(0.0, |(_, depth_mm, _)| depth_mm);
+        let press_mm = image.load.map_or(0.0, |load| load.depth_mm);
         readings.push(Reading { row: *row, truth, press_mm, value, stiffness, warnings });
     }
     Ok(Some(readings))

@@ -17,6 +17,8 @@ use std::collections::{BTreeMap, BTreeSet};
 const LEVEL: f64 = 0.95;
 /// Bins of ranks.
 const BINS: usize = 10;
+/// Bound, a share of the truth, below which a quantity can be told.
+const TOLD: f64 = 0.2;
 
 /// What trials say of an estimator.
 #[derive(Debug, Clone, Serialize)]
@@ -27,6 +29,8 @@ pub struct Summary {
     pub found: Value,
     /// The smallest diameter, mm, of which 95 % are found.
     pub smallest_mm: Value,
+    /// The same by thirds of the depth.
+    pub smallest_by_depth: Vec<Smallest>,
     /// Phantoms without an inclusion.
     pub empty: usize,
     /// Share of these in which one is found all the same, of those of which that is told.
@@ -56,6 +60,17 @@ pub struct UnknownSummary {
     pub median_half_width: Option<f64>,
 }
 
+/// The smallest diameter that is found of some phantoms.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Smallest {
+    /// Which.
+    pub name: String,
+    /// Of how many it is told whether there is an inclusion.
+    pub told: usize,
+    /// The diameter, mm, of which 95 % are found.
+    pub smallest_mm: Value,
+}
+
 /// How well one quantity is estimated.
 #[derive(Debug, Clone, Serialize)]
 pub struct Quantity {
@@ -73,6 +88,13 @@ pub struct Quantity {
     pub median_error: Value,
     /// Median of half an interval's width over the truth.
     pub median_half_width: Option<f64>,
+    /// Median of the bound of a phantom's frames, a share of the truth, where the quantity is known.
+    pub median_bound: Option<f64>,
+    /// Of how many of the known the bound is below 20 %.
+    pub bounded: usize,
+    /// Root mean square of these errors, each over its own bound, with its interval; 1 is the least that unbiased
+    /// estimates reach.
+    pub error_over_bound: Value,
     /// Share of intervals of 95 % that hold the truth, of all and of parts.
     pub coverage: Vec<Group>,
     /// Ranks of the truth among draws of the posterior, of all phantoms whose frames could be inverted.
@@ -179,14 +201,27 @@ impl Summary {
             clopper_pearson(told.iter().filter(|found| **found).count(), told.len(), LEVEL)
         };
         let undecided = with.iter().chain(&without).filter(|trial| found(trial).is_none()).count();
-        let tried = with
+        let tried: Vec<(f64, DetectionTrial)> = with
             .iter()
-            .filter_map(|trial| Some(DetectionTrial { covariate: trial.truth?.size_mm, is_detected: found(trial)? }));
-        let smallest = DetectionRate::of(&tried.collect::<Vec<_>>());
+            .filter_map(|trial| {
+                let (truth, is_detected) = (trial.truth?, found(trial)?);
+                Some((truth.depth_mm, DetectionTrial { covariate: truth.size_mm, is_detected }))
+            })
+            .collect();
+        let smallest = |tried: &[(f64, DetectionTrial)]| {
+            let rate = DetectionRate::of(&tried.iter().map(|(_, trial)| *trial).collect::<Vec<_>>());
+            rate.map_or_else(|error| Value::undefined(error.to_string()), |rate| rate.smallest)
+        };
+        let smallest_mm = smallest(&tried);
+        let by_depth = thirds(tried, |(depth_mm, _)| Some(*depth_mm)).into_iter().map(|([low, high], third)| {
+            let name = format!("depth {low:.1} to {high:.1} mm");
+            Smallest { name, told: third.len(), smallest_mm: smallest(&third) }
+        });
         Ok(Self {
             phantoms: with.len(),
             found: share(&with)?,
-            smallest_mm: smallest.map_or_else(|error| Value::undefined(error.to_string()), |rate| rate.smallest),
+            smallest_mm,
+            smallest_by_depth: by_depth.collect(),
             empty: without.len(),
             false_alarms: share(&without)?,
             undecided,
@@ -235,12 +270,20 @@ fn quantity(k: usize, first: &[Trial], all: &[Trial]) -> Result<Quantity, Statis
     let mut reasons: Vec<Reason> = why.into_iter().map(|(why, phantoms)| Reason { why, phantoms }).collect();
     reasons.sort_by_key(|reason| std::cmp::Reverse(reason.phantoms));
     let pairs: Vec<Pair> = known.iter().map(|one| Pair { truth: one.truth, estimate: one.value }).collect();
-    let interval = |statistic: &dyn Fn(&[usize]) -> f64| {
-        let value = Bootstrap::default().interval(known.len(), statistic);
+    let interval = |count: usize, statistic: &dyn Fn(&[usize]) -> f64| {
+        let value = Bootstrap::default().interval(count, statistic);
         value.unwrap_or_else(|error| Value::undefined(error.to_string()))
     };
     let bias = |members: &[usize]| members.iter().map(|&i| known[i].off()).sum::<f64>() / members.len() as f64;
     let error = |members: &[usize]| median(members.iter().map(|&i| known[i].off().abs()).collect()).unwrap_or(f64::NAN);
+    let bound = |one: &Known| one.trial.bounds[k];
+    // Errors over their bounds.
+    let over: Vec<f64> = known
+        .iter()
+        .filter_map(|one| bound(one).filter(|least| *least < TOLD).map(|least| one.off() / least))
+        .collect();
+    let root_mean_square =
+        |members: &[usize]| (members.iter().map(|&i| over[i].powi(2)).sum::<f64>() / members.len() as f64).sqrt();
     let half_widths = known.iter().map(|one| 0.5 * (one.high - one.low) / one.truth).collect();
     let ranks: Vec<usize> = first.iter().filter_map(|trial| trial.ranks[k]).collect();
     let scores: Vec<f64> = known
@@ -261,9 +304,12 @@ fn quantity(k: usize, first: &[Trial], all: &[Trial]) -> Result<Quantity, Statis
         known: known.len(),
         reasons,
         errors: Errors::of(&pairs).ok(),
-        relative_bias: interval(&bias),
-        median_error: interval(&error),
+        relative_bias: interval(known.len(), &bias),
+        median_error: interval(known.len(), &error),
         median_half_width: median(half_widths),
+        median_bound: median(known.iter().filter_map(bound).collect()),
+        bounded: over.len(),
+        error_over_bound: interval(over.len(), &root_mean_square),
         coverage: coverage(&known)?,
         ranks: RankHistogram::of(&ranks, RANKED, BINS).into(),
         agreement: BlandAltman::of(&pairs).into(),
@@ -304,22 +350,27 @@ fn coverage(known: &[Known]) -> Result<Vec<Group>, StatisticsError> {
         ("contrast", "", |one| one.trial.phantom_youngs_kpa.map(|own| one.inclusion.youngs_kpa / own)),
     ];
     for (name, unit, of) in by {
-        let mut sorted: Vec<(f64, &Known)> = known.iter().filter_map(|one| Some((of(one)?, one))).collect();
-        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Equal ones are not told apart by the order in which they come.
-        if sorted.first().map(|one| one.0) == sorted.last().map(|one| one.0) {
-            continue;
-        }
-        let n = sorted.len();
-        for third in 0..3 {
-            let members = &sorted[third * n / 3..(third + 1) * n / 3];
-            if let (Some((low, _)), Some((high, _))) = (members.first(), members.last()) {
-                let of_third: Vec<&Known> = members.iter().map(|(_, one)| *one).collect();
-                groups.push(group(format!("{name} {low:.1} to {high:.1}{unit}"), &of_third)?);
-            }
+        for ([low, high], third) in thirds(all.clone(), |one| of(one)) {
+            groups.push(group(format!("{name} {low:.1} to {high:.1}{unit}"), &third)?);
         }
     }
     Ok(groups)
+}
+
+/// Those that have a number in thirds of it, each with its ends; none where all have the same one, for then thirds would
+/// be told apart by the order in which they come.
+fn thirds<T>(all: Vec<T>, of: impl Fn(&T) -> Option<f64>) -> Vec<([f64; 2], Vec<T>)> {
+    let mut sorted: Vec<(f64, T)> = all.into_iter().filter_map(|one| Some((of(&one)?, one))).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if sorted.first().map(|one| one.0) == sorted.last().map(|one| one.0) {
+        return Vec::new();
+    }
+    let (n, mut rest) = (sorted.len(), sorted.into_iter());
+    let third = |k: usize| -> Option<([f64; 2], Vec<T>)> {
+        let (numbers, members): (Vec<f64>, Vec<T>) = rest.by_ref().take((k + 1) * n / 3 - k * n / 3).unzip();
+        Some(([*numbers.first()?, *numbers.last()?], members))
+    };
+    (0..3).filter_map(third).collect()
 }
 
 /// A reason up to its first number, so that alike ones count together; whole where that leaves nothing.

@@ -29,7 +29,9 @@ fn made_up(count: usize, stretch: f64) -> Vec<Trial> {
             let other = |name: &str, value| Other { name: name.to_owned(), truth: 5.0, value };
             let own = if row.is_multiple_of(2) { 5.1 } else { 5.2 };
             let others = vec![other("own", Value::known(own, own - 0.15, own + 0.15)), other("none", unknown())];
-            Trial { row, exposure, truth: Some(truth), phantom_youngs_kpa: Some(5.0), estimates, ranks, others }
+            let (truth, phantom_youngs_kpa) = (Some(truth), Some(5.0));
+            let bounds = [Some(0.04), Some(0.3), None];
+            Trial { row, exposure, truth, phantom_youngs_kpa, estimates, ranks, bounds, others }
         });
         exposures.collect()
     };
@@ -64,6 +66,30 @@ fn intervals_that_hold_are_told_from_short_ones() {
     // Thirds of size and depth hold as many phantoms; their contrast is one.
     assert_eq!(size.coverage.len(), 7);
     assert!(size.coverage[1..].iter().all(|group| group.known == 133 || group.known == 134));
+}
+
+/// Errors of 4 % are the bound; by one that is a fifth smaller they are a quarter too large, and that shows. Bounds of
+/// 20 % and more count nothing.
+#[test]
+fn errors_are_told_over_their_bounds() {
+    let told = |share: f64| {
+        let mut trials = made_up(400, 1.0);
+        for trial in &mut trials {
+            trial.bounds[0] = Some(share * 0.04);
+            if trial.row % 4 == 0 {
+                (trial.bounds[0], trial.estimates.size_mm) = (Some(0.2), Value::known(100.0, 1.0, 200.0));
+            }
+        }
+        Summary::of(&trials, &[]).unwrap().quantities.swap_remove(0)
+    };
+    let right = told(1.0);
+    assert_eq!((right.known, right.bounded, right.median_bound), (400, 300, Some(0.04)));
+    let [error, low, high] = ends(&right.error_over_bound);
+    assert!(low < 1.0 && 1.0 < high && (error - 1.0).abs() < 0.12, "{error}");
+    let [error, low, _] = ends(&told(0.8).error_over_bound);
+    assert!(low > 1.0 && (error - 1.25).abs() < 0.15, "{error}");
+    let depth = &Summary::of(&made_up(40, 1.0), &[]).unwrap().quantities[1];
+    assert!(depth.bounded == 0 && matches!(depth.error_over_bound, Value::Undefined { .. }));
 }
 
 #[test]
@@ -108,6 +134,17 @@ fn where_intervals_miss_and_inclusions_are_not_found_is_told() {
     assert_eq!((found.undecided, ends(&found.found)[0]), (30, share));
     let smallest = ends(&found.smallest_mm)[0];
     assert!((5.9..6.5).contains(&smallest), "{smallest}");
+    // It is the same at all depths; where all of one depth are found nothing tells how small they may be.
+    assert_eq!(found.smallest_by_depth.iter().map(|third| third.told).sum::<usize>(), 270);
+    for third in &found.smallest_by_depth {
+        assert!((5.8..6.9).contains(&ends(&third.smallest_mm)[0]), "{third:?}");
+    }
+    for trial in trials.iter_mut().filter(|trial| trial.truth.is_some_and(|truth| truth.depth_mm < 4.5)) {
+        trial.estimates.detected = Detected::Known(true);
+    }
+    let [shallow, _, deep] = &Summary::of(&trials, &[]).unwrap().smallest_by_depth[..] else { panic!() };
+    assert!(matches!(shallow.smallest_mm, Value::Undefined { .. }), "{shallow:?}");
+    assert!((5.8..6.9).contains(&ends(&deep.smallest_mm)[0]), "{deep:?}");
     // Below 7 mm, three tenths of them, none is held: few of the smallest third, all others; the contrast falls with
     // the size.
     let groups = &found.quantities[0].coverage;

@@ -2,8 +2,8 @@
 
 use super::StudyError;
 use crate::calibrate::{
-    CalibrateError, FORCE_ERROR, FrameModel, Frames, Inclusion, Inferred, InferredUnknown, PressFrame, SAME_DEPTH,
-    sweep_of,
+    CalibrateError, FORCE_ERROR, FrameModel, Frames, Inclusion, Inferred, InferredUnknown, Limits, PressFrame,
+    SAME_DEPTH, sweep_of,
 };
 use crate::camera::expose;
 use crate::camera::noise::PixelRandom;
@@ -39,6 +39,9 @@ pub struct Trial {
     /// Rank of the true size, depth and modulus among 99 draws of the posterior within the ranges that truths are drawn
     /// from, 0 to 99; none where there are no draws.
     pub ranks: [Option<usize>; 3],
+    /// Least standard deviations of size, depth and modulus by what the frames tell, shares of the truth: the
+    /// Cramér-Rao bound, without the calibration's own error. None where there are no draws.
+    pub bounds: [Option<f64>; 3],
     /// The calibration's unknowns that the phantoms' sweep has variables of, by their names.
     pub others: Vec<Other>,
 }
@@ -88,7 +91,9 @@ pub fn trials(
     }
     let kept: Vec<(usize, Record)> = sweep.kept(&records).collect();
     let ranges = model.unknowns().map(|(unknown, keys)| range(&sweep, &unknown.name, keys)).collect();
-    let (done, study) = (AtomicUsize::new(0), Phantoms { model, sweep: &sweep, records: &records, how, ranges });
+    let limits = Limits::of(model)?;
+    let (done, study) =
+        (AtomicUsize::new(0), Phantoms { model, limits, sweep: &sweep, records: &records, how, ranges });
     let each = |(row, record): &(usize, Record)| {
         if !observe(done.load(Ordering::Relaxed), kept.len()) {
             return Ok(None);
@@ -136,6 +141,7 @@ pub(super) fn exposed(
 
 struct Phantoms<'a> {
     model: &'a FrameModel,
+    limits: Limits<'a>,
     sweep: &'a Sweep,
     records: &'a Records,
     how: How,
@@ -183,13 +189,21 @@ impl Phantoms<'_> {
                     inferred.as_ref().ok()?.posterior.below(self.model.unknown(k)?, figures[k]?, &self.ranges)?;
                 Some(((share * (RANKED + 1) as f64) as usize).min(RANKED))
             };
-            let others = inferred.iter().flat_map(|inferred| self.others(record, inferred)).collect();
+            let others: Vec<Other> = inferred.iter().flat_map(|inferred| self.others(record, inferred)).collect();
+            let bounds = inferred.iter().zip(&inclusion).find_map(|(inferred, inclusion)| {
+                let others: Vec<(&str, f64)> = others.iter().map(|one| (one.name.as_str(), one.truth)).collect();
+                self.limits.by(&inferred.told, inclusion, &others).ok()
+            });
+            let bounds = bounds.map_or([None; 3], |bounds| {
+                [&bounds.size, &bounds.depth, &bounds.youngs].map(|bound| bound.best().copied())
+            });
             Ok(Trial {
                 row,
                 exposure,
                 truth: inclusion,
                 phantom_youngs_kpa: truth.phantom_youngs_kpa.value(),
                 ranks: [0, 1, 2].map(rank),
+                bounds,
                 estimates,
                 others,
             })

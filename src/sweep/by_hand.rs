@@ -28,9 +28,11 @@ pub fn vary(text: &str) -> Result<Vary, String> {
         return Err(format!("{value} is no value of a key"));
     }
     let values: Vec<Scalar> = values.map(Scalar::of_cell).collect();
-    match values.is_empty() {
-        true => Err("it has no values".into()),
-        false => Ok(Vary { values: Some(values), ..vary }),
+    match <[Scalar; 1]>::try_from(values) {
+        // One value is no axis.
+        Ok([only]) => Ok(Vary { fixed: Some(only), ..vary }),
+        Err(values) if values.is_empty() => Err("it has no values".into()),
+        Err(values) => Ok(Vary { values: Some(values), ..vary }),
     }
 }
 

@@ -10,7 +10,7 @@ use crate::version::{SOURCES, VERSION};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 /// A whole sweep file.
@@ -111,6 +111,9 @@ impl Place {
         Self { name, scene_file: folder.join("scene.toml") }
     }
 }
+
+/// Points of one set of words that are looked at for one that makes a scene.
+const MOST_LOOKED: usize = 1000;
 
 /// Mistakes that all points of a sweep share.
 const OF_ALL_POINTS: [&str; 4] = ["syntax", "unknown_key", "missing_key", "wrong_type"];
@@ -290,10 +293,11 @@ impl Sweep {
     /// Looks at one point of each set of values that are no numbers: reads the files that it names, and refuses what
     /// all points share.
     fn look_at_points(&mut self) -> Result<(), Invalid> {
-        let (mut known, mut broken, mut makes_scenes) = (HashSet::new(), None, false);
+        // How often each set of words was looked at without a scene.
+        let (mut looked, mut broken, mut makes_scenes) = (HashMap::<Vec<String>, usize>::new(), None, false);
         for row in 0..self.plan.count() {
             let words = self.plan.words(row);
-            if known.contains(&words) {
+            if looked.get(&words).is_some_and(|times| *times >= MOST_LOOKED) {
                 continue;
             }
             let Ok(point) = self.plan.point(row) else { continue };
@@ -305,17 +309,18 @@ impl Sweep {
                         self.base.files.keep(file);
                         self.named.insert(file.to_path_buf());
                     }
-                    known.insert(words);
+                    looked.insert(words, MOST_LOOKED);
                 }
                 Err(Rejected::Sweep(why)) => {
                     let of_table = || Invalid::new("sweep.design.file", format!("row {row} {}", why.message));
                     broken = broken.or_else(|| Some(if self.table.is_some() { of_table() } else { why.clone() }));
-                    known.insert(words);
+                    *looked.entry(words).or_default() += 1;
                 }
                 // Other numbers may do.
                 Err(Rejected::Point(_)) => {}
             }
-            if !self.plan.has_words() {
+            let seen: usize = looked.values().sum();
+            if !self.plan.has_words() && (makes_scenes || seen >= MOST_LOOKED) {
                 break;
             }
         }

@@ -61,6 +61,16 @@ enum End {
     Sweep(SweepError),
 }
 
+/// Whether no other point can be traced either. A device that has no room now may have it later; what is more than it
+/// ever allows is the point's own.
+fn ends_all(error: &TraceError) -> bool {
+    match error {
+        TraceError::Stopped | TraceError::NoAdapter | TraceError::DeviceLost(_) | TraceError::Driver(_) => true,
+        TraceError::Memory { allowed, .. } => *allowed == 0,
+        _ => false,
+    }
+}
+
 /// Traces, measures and keeps images.
 fn measure(
     sweep: &Sweep,
@@ -72,13 +82,7 @@ fn measure(
 ) -> Result<(), End> {
     let row = record.row;
     let failed = |error: PipelineError| match error {
-        PipelineError::Trace(
-            error @ (TraceError::Stopped
-            | TraceError::NoAdapter
-            | TraceError::DeviceLost(_)
-            | TraceError::Memory { .. }
-            | TraceError::Driver(_)),
-        ) => End::Sweep(match error {
+        PipelineError::Trace(error) if ends_all(&error) => End::Sweep(match error {
             TraceError::Stopped => SweepError::Stopped,
             error => SweepError::Device { row, error },
         }),
@@ -114,7 +118,7 @@ fn measure(
             let load = shot.prepared.press.as_ref().map(|(_, load)| *load);
             record.images.push(images.keep(records, row, shot, load).map_err(kept)?);
             if images.masks {
-                images.keep_mask(records, row, shot).map_err(kept)?;
+                images.keep_masks(records, record, shot).map_err(kept)?;
             }
         }
         if let (Some(shot), true) = (&baseline, images.baseline) {
@@ -140,4 +144,16 @@ fn measure(
     record.figures = sweep.file.measure.iter().flat_map(|measure| measure.of(&found)).collect();
     record.seconds.figures = start.elapsed().as_secs_f64();
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_that_no_device_allows_stops_no_other() {
+        let memory = |allowed| TraceError::Memory { what: "film", needed: 1 << 30, allowed };
+        assert!(ends_all(&memory(0)) && !ends_all(&memory(1 << 27)));
+        assert!(ends_all(&TraceError::Stopped) && ends_all(&TraceError::NoAdapter));
+    }
 }

@@ -1,12 +1,13 @@
 //! Images of the points, kept as a data set: in `train/` and `test/`, with a table of their labels beside them.
 
-use super::{Format, Images, Kept, Record, State, Sweep};
+use super::{Format, Images, Kept, KeptLoad, Record, State, Sweep};
 use crate::image_io::{write_npy, write_png_grey};
 use crate::mechanics::mesh::{InclusionShape, Star};
 use crate::output::{OutputError, Records};
 use crate::pipeline::{Shot, view_of};
 use crate::scene::Invalid;
 use crate::surface::pressed::pressure_at;
+use std::collections::BTreeMap;
 
 /// Columns of a data set's labels beside what varies.
 pub(super) const LABELS: &[&str] = &[
@@ -23,6 +24,9 @@ pub(super) const LABELS: &[&str] = &[
     "load",
     "press_depth_mm",
     "force_n",
+    "slide_x_mm",
+    "slide_y_mm",
+    "hold_s",
     "mm_per_pixel",
     "light_stream",
     "sensor_stream",
@@ -42,26 +46,29 @@ impl Images {
         format!("{row:07}_baseline.{}", self.ending())
     }
 
-    /// Name of a point's mask.
-    pub fn mask_file(row: usize) -> String {
-        format!("{row:07}_mask.png")
+    /// Name of the mask of one of a point's images: that of the point, but where the phantom slides from load to load.
+    pub fn mask_file(record: &Record, image: &Kept) -> String {
+        let slide = |kept: &Kept| kept.load.map(|load| load.slide_mm);
+        match record.images.iter().all(|one| slide(one) == slide(image)) {
+            true => format!("{:07}_mask.png", record.row),
+            false => format!("{}_mask.png", stem(&image.file)),
+        }
     }
 
     /// Name of the contact pressures of an image.
     pub fn pressure_file(image: &str) -> String {
-        format!("{}_pressure.npy", image.split_once('.').map_or(image, |(stem, _)| stem))
+        format!("{}_pressure.npy", stem(image))
     }
 
     /// All files of a point that has images, from the sweep's folder.
     pub(super) fn files<'a>(&'a self, record: &'a Record) -> impl Iterator<Item = String> + 'a {
-        let row = record.row;
-        let of_image =
-            |kept: &'a Kept| [Some(kept.file.clone()), self.pressures.then(|| Self::pressure_file(&kept.file))];
-        let baseline = self.baseline.then(|| self.baseline_file(row));
-        let beside = [baseline, self.masks.then(|| Self::mask_file(row))];
-        let beside = beside.into_iter().filter(|_| !record.images.is_empty());
-        let split = self.split(row);
-        record.images.iter().flat_map(of_image).chain(beside).flatten().map(move |file| format!("{split}/{file}"))
+        let of_image = |kept: &'a Kept| {
+            let pressure = self.pressures.then(|| Self::pressure_file(&kept.file));
+            [Some(kept.file.clone()), pressure, self.masks.then(|| Self::mask_file(record, kept))]
+        };
+        let baseline = (self.baseline && !record.images.is_empty()).then(|| self.baseline_file(record.row));
+        let split = self.split(record.row);
+        record.images.iter().flat_map(of_image).chain([baseline]).flatten().map(move |file| format!("{split}/{file}"))
     }
 
     /// Keeps an image, with its contact pressures where they are asked for.
@@ -85,7 +92,13 @@ impl Images {
         }
         Ok(Kept {
             file,
-            load: load.zip(step).map(|(load, step)| (load, step.depth_mm, step.force_n)),
+            load: load.zip(step).map(|(number, step)| KeptLoad {
+                number,
+                depth_mm: step.depth_mm,
+                force_n: step.force_n,
+                slide_mm: step.slide_mm,
+                hold_s: step.hold_s,
+            }),
             mm_per_pixel: shot.mm_per_pixel,
             streams: [shot.prepared.streams.light(), shot.prepared.streams.sensor()],
         })
@@ -104,27 +117,36 @@ impl Images {
         })
     }
 
-    /// Keeps the mask of a point.
-    pub(super) fn keep_mask(&self, records: &Records, row: usize, shot: &Shot) -> Result<(), OutputError> {
+    /// Keeps the masks of a point's images; `shot` is of any of them.
+    pub(super) fn keep_masks(&self, records: &Records, record: &Record, shot: &Shot) -> Result<(), OutputError> {
         let [width, height] = shot.prepared.scene().camera.pixels;
-        let mask = mask(shot);
-        let name = format!("{}/{}", self.split(row), Self::mask_file(row));
-        records.write_with(&name, |path| write_png_grey(path, width, height, &mask, 8))
+        let all: BTreeMap<String, [f64; 2]> = (record.images.iter())
+            .map(|kept| (Self::mask_file(record, kept), kept.load.map_or([0.0; 2], |load| load.slide_mm)))
+            .collect();
+        all.into_iter().try_for_each(|(file, slide_mm)| {
+            let (name, mask) = (format!("{}/{file}", self.split(record.row)), mask(shot, slide_mm));
+            records.write_with(&name, |path| write_png_grey(path, width, height, &mask, 8))
+        })
     }
 }
 
-/// 255 where a pixel sees a point of the touched face that lies over an inclusion, else 0.
-fn mask(shot: &Shot) -> Vec<u16> {
+/// A file's name up to its first dot.
+fn stem(file: &str) -> &str {
+    file.split_once('.').map_or(file, |(stem, _)| stem)
+}
+
+/// 255 where a pixel sees a point of the touched face that lies over an inclusion of a phantom that slid so far, else 0.
+fn mask(shot: &Shot, slide_mm: [f64; 2]) -> Vec<u16> {
     let scene = shot.prepared.scene();
     let [width, height] = scene.camera.pixels.map(|pixels| pixels as usize);
-    let (Some((pressed, step)), Ok(view)) = (shot.prepared.pressed(), view_of(scene)) else {
+    let (Some((pressed, _)), Ok(view)) = (shot.prepared.pressed(), view_of(scene)) else {
         return vec![0; width * height];
     };
     let inclusions = &pressed.setup.phantom.inclusions;
     let pixel = |k: usize| {
         let middle = [(k % width) as f64 + 0.5, (k / width) as f64 + 0.5];
         let over = view.touched_from_pixel(middle).is_some_and(|[x, y]| {
-            let place = [x - step.slide_mm[0], y - step.slide_mm[1]];
+            let place = [x - slide_mm[0], y - slide_mm[1]];
             inclusions.iter().any(|one| is_over(one, place))
         });
         if over { 255 } else { 0 }

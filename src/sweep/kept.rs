@@ -60,8 +60,8 @@ pub enum Loads {
 pub struct Kept {
     /// Its file, within its split.
     pub file: String,
-    /// The load, from 0, and its depth and force; none where nothing is pressed.
-    pub load: Option<(usize, f64, f64)>,
+    /// Its load; none where nothing is pressed.
+    pub load: Option<KeptLoad>,
     /// Millimetres on the touched face a pixel, on the axis.
     pub mm_per_pixel: f64,
     /// The random streams of light and sensor.
@@ -71,8 +71,23 @@ pub struct Kept {
 impl Kept {
     /// Force of its load, N; none where nothing is pressed.
     pub fn force_n(&self) -> Option<f64> {
-        self.load.map(|(_, _, force_n)| force_n)
+        self.load.map(|load| load.force_n)
     }
+}
+
+/// The load of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct KeptLoad {
+    /// Which, from 0.
+    pub number: usize,
+    /// Motion of the phantom's base towards the sensor, mm.
+    pub depth_mm: f64,
+    /// Total force, N.
+    pub force_n: f64,
+    /// Motion of the base along x and y, mm.
+    pub slide_mm: [f64; 2],
+    /// Time for which it was held before, s.
+    pub hold_s: f64,
 }
 
 impl Images {

@@ -315,6 +315,9 @@ fn jackknife(films: &[&Film], figure: impl Fn(&[&[f64]]) -> f64) -> Value {
     Value::known(value, value - half, value + half)
 }
 
+/// Share of the pixels at the top grey level above which a signal is not that of the light.
+const MOST_FULL: f64 = 0.01;
+
 /// Expected electrons of a shot's pixels for a mean image.
 fn electrons(shot: &Shot, mean: &[f64]) -> Option<Vec<f64>> {
     let (scene, like) = (shot.prepared.scene(), &shot.outcome.film);
@@ -344,12 +347,21 @@ fn saturated(shot: &Shot) -> Value {
     Value::known(value, low.min(least).max(0.0), high.max(most).min(1.0))
 }
 
-/// What inclusions add to a pixel over the camera's noise.
+/// What inclusions add to a pixel over the camera's noise; undefined where pixels are full, and hold no more.
 fn signal_to_noise(shot: &Shot, baseline: &Shot, pixels: &[usize]) -> Value {
     if pixels.is_empty() {
         return Value::undefined("the camera sees no pixel of the disc");
     }
     let sensor = &shot.prepared.scene().camera.sensor;
+    let saturation = Saturation::of(sensor);
+    let full = |shot: &Shot| {
+        let mean: Vec<f64> = shot.outcome.film.mean.iter().map(|&v| f64::from(v)).collect();
+        let of_disc = |all: Vec<f64>| pixels.iter().map(|&pixel| all[pixel]).collect::<Vec<_>>();
+        electrons(shot, &mean).map_or(0.0, |all| saturation.share(&of_disc(all)))
+    };
+    if full(shot).max(full(baseline)) > MOST_FULL {
+        return Value::undefined("pixels of the disc are at the top grey level: expose for less");
+    }
     let gain = f64::from((1u32 << sensor.bit_depth) - 1) / sensor.full_well_e;
     // Two read-outs and two roundings.
     let fixed = 2.0 * (sensor.read_noise_e.powi(2) + 1.0 / (12.0 * gain * gain));

@@ -22,7 +22,7 @@ mod status;
 mod tally;
 
 pub use file::{NoScene, RandomNumbers, Rejected, Settings, Sweep, SweepFile, SweepFolderError, schema};
-pub use kept::{Format, Images, Kept, Loads};
+pub use kept::{Format, Images, Kept, KeptLoad, Loads};
 pub use measure::{Measure, Told};
 pub use parts::Parts;
 pub use record::{Record, Seconds, State, Traced};

@@ -100,7 +100,9 @@ pub fn effects(variables: usize, units: &[Vec<f64>], figures: &[f64], noise: &[f
             for (variable, effect) in effects.iter_mut().enumerate() {
                 let step = units[row][variable] - units[row - 1][variable];
                 if step != 0.0 {
-                    *effect = [(figures[row] - figures[row - 1]) * step.signum(), noise[row].hypot(noise[row - 1])];
+                    // Of half the range: lists of an odd number of values step by a little less, or more.
+                    let [change, scale] = [figures[row] - figures[row - 1], 0.5 / step];
+                    *effect = [change * scale, noise[row].hypot(noise[row - 1]) * scale.abs()];
                 }
             }
         }
@@ -192,16 +194,29 @@ pub fn indices(variables: usize, figures: &[f64], noise: &[f64], common: bool) -
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::vary::{Design, Keys, Plan, Vary};
+    use crate::vary::{Design, Keys, Plan, Scalar, Vary};
     use std::f64::consts::PI;
 
-    fn points(design: &Design, variables: usize, range: [f64; 2]) -> Vec<Vec<f64>> {
+    fn plan(design: &Design, variables: usize, range: [f64; 2]) -> Plan {
         let key = |k: usize| Some(Keys::One(format!("x.v{k}")));
         let vary: Vec<_> =
             (0..variables).map(|k| Vary { key: key(k), uniform: Some(range), ..Vary::default() }).collect();
-        let plan = Plan::new(&vary, &[], design, None).unwrap();
+        Plan::new(&vary, &[], design, None).unwrap()
+    }
+
+    fn values(plan: &Plan) -> Vec<Vec<f64>> {
         let point = |row| plan.point(row).unwrap().values.iter().map(|v| v.number().unwrap()).collect();
         (0..plan.count()).map(point).collect()
+    }
+
+    fn points(design: &Design, variables: usize, range: [f64; 2]) -> Vec<Vec<f64>> {
+        values(&plan(design, variables, range))
+    }
+
+    /// Points of a Morris design of variables from 1 to 5, and where they are in the unit cube.
+    fn trajectories(trajectories: u32, seed: u32, variables: usize) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+        let plan = plan(&Design::Morris { trajectories, seed }, variables, [1.0, 5.0]);
+        (values(&plan), (0..plan.count()).map(|row| plan.unit(row)).collect())
     }
 
     /// Ishigami and Homma's function with a = 7, b = 0.1.
@@ -238,16 +253,16 @@ mod tests {
     /// Of x0 x1 the effect of x0 over half of its range, 2, is 2 x1: 6 on average, by levels from 1 to 5.
     #[test]
     fn intervals_of_effects_hold_them() {
-        for trajectories in [6, 12] {
+        for count in [6, 12] {
             let held = (0..400).filter(|&seed| {
-                let points = points(&Design::Morris { trajectories, seed }, 2, [1.0, 5.0]);
+                let (points, units) = trajectories(count, seed, 2);
                 let figures: Vec<f64> = points.iter().map(|x| x[0] * x[1]).collect();
-                let found = effects(2, &points, &figures, &vec![0.0; points.len()]).unwrap()[0];
+                let found = effects(2, &units, &figures, &vec![0.0; points.len()]).unwrap()[0];
                 [found.mean, found.mean_absolute].iter().all(|interval| (interval.low..=interval.high).contains(&6.0))
             });
             // 380 and three standard deviations; resampling holds means of 4 and of 8 such values in 80 and 90 of 100.
             let held = held.count();
-            assert!(held >= 367, "{trajectories}: {held} of 400");
+            assert!(held >= 367, "{count}: {held} of 400");
         }
     }
 
@@ -266,15 +281,14 @@ mod tests {
     fn effects_hold_what_there_is_behind_noise() {
         const DEVIATION: f64 = 0.5;
         let of = |x: &Vec<f64>| x[0] + 0.3 * x[2] * (x[0] - 3.0);
-        let design = |seed| Design::Morris { trajectories: 8, seed };
         // Over half of a range of 4: of x2 at the levels 1.5, 2.5, 3.5 and 4.5 of x0.
         let truth = [0.0, 2.0 * 0.3 * (1.5 + 0.5) / 2.0];
         for common in [0.0, 0.8] {
             let (mut held, mut without) = ([0; 2], 0);
             for seed in 0..400 {
-                let points = points(&design(seed), 3, [1.0, 5.0]);
+                let (points, units) = trajectories(8, seed, 3);
                 let figures = noisy(points.iter().map(of), DEVIATION, seed, 4, common);
-                let found = |noise| effects(3, &points, &figures, &vec![noise; points.len()]).unwrap();
+                let found = |noise| effects(3, &units, &figures, &vec![noise; points.len()]).unwrap();
                 let holds = |one: &Effects, truth| (one.mean_absolute.low..=one.mean_absolute.high).contains(&truth);
                 let told = found(DEVIATION);
                 held[0] += u32::from(holds(&told[1], truth[0]));
@@ -351,19 +365,33 @@ mod tests {
     #[test]
     fn effects_of_a_linear_function_are_its_slopes() {
         let slopes = [3.0, -2.0, 0.0, 0.5];
-        let design = Design::Morris { trajectories: 12, seed: 2 };
-        let points = points(&design, 4, [1.0, 5.0]);
+        let (points, units) = trajectories(12, 2, 4);
         let figures: Vec<f64> =
             points.iter().map(|x| 7.0 + x.iter().zip(slopes).map(|(x, a)| a * x).sum::<f64>()).collect();
         // Over half of the range: 2.
-        for (found, slope) in effects(4, &points, &figures, &[0.0; 60]).unwrap().iter().zip(slopes) {
+        for (found, slope) in effects(4, &units, &figures, &[0.0; 60]).unwrap().iter().zip(slopes) {
             assert!((found.mean.value - 2.0 * slope).abs() < 1e-12 && found.spread < 1e-12, "{found:?}");
             assert!((found.mean_absolute.value - 2.0 * slope.abs()).abs() < 1e-12);
             assert!((found.mean.high - found.mean.low).abs() < 1e-12);
         }
         // One that bends has a spread.
         let bent: Vec<f64> = points.iter().map(|x| x[0] * x[1]).collect();
-        assert!(effects(4, &points, &bent, &[0.0; 60]).unwrap()[0].spread > 0.5);
+        assert!(effects(4, &units, &bent, &[0.0; 60]).unwrap()[0].spread > 0.5);
+    }
+
+    /// Values of a list step by half of them, or by nearly half: effects are those over half of the range all the same.
+    #[test]
+    fn effects_of_lists_are_over_half_of_their_range() {
+        for count in [2, 3, 4, 5, 7] {
+            let list = (0..count).map(|k| Scalar::Number(f64::from(k))).collect();
+            let vary = Vary { key: Some(Keys::One("x.v".into())), values: Some(list), ..Vary::default() };
+            let plan = Plan::new(&[vary], &[], &Design::Morris { trajectories: 12, seed: 5 }, None).unwrap();
+            let units: Vec<_> = (0..plan.count()).map(|row| plan.unit(row)).collect();
+            let figures: Vec<f64> = values(&plan).iter().map(|x| 3.0 * x[0]).collect();
+            let found = effects(1, &units, &figures, &vec![0.1; units.len()]).unwrap()[0];
+            let slope = 3.0 * 0.5 * f64::from(count);
+            assert!((found.mean.value - slope).abs() < 1e-12 && found.spread < 1e-12, "{count}: {found:?}");
+        }
     }
 
     #[test]

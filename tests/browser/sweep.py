@@ -40,6 +40,14 @@ fixed = 72
 [[measure]]
 kind = "mean_radiance"
 """
+# Many variables with long keys: dots against each, bars and tables of effects.
+EFFECTS = SWEEP.replace('{ kind = "grid" }', '{ kind = "morris", trajectories = 6 }').replace(
+    'name = "tissue_n"\n', "").replace('name = "power"\n', "") + """
+[[vary]]
+key = "stack.layer[\\"PDMS 1.41\\"].n"
+uniform = [1.405, 1.415]
+"""
+FIGURES = "[...document.querySelectorAll('figure img')].map((image) => image.complete && image.naturalWidth)"
 CELLS = """[...document.querySelectorAll('#points-table tbody tr')]
     .map((line) => [...line.cells].map((cell) => cell.textContent))"""
 IMAGES = "[...document.querySelectorAll('.points-images img')].map((image) => [image.naturalWidth, image.src])"
@@ -71,11 +79,17 @@ def check(browser: Chromium, rows: list[dict[str, str]], folder: Path | None) ->
         assert browser.value(first) == row["row"], row
     if folder:
         browser.picture(folder / "sweep.png")
+    looks(browser, "sweep", folder)
+
+
+def looks(browser: Chromium, name: str, folder: Path | None) -> None:
+    """Figures are there, nothing is wider than a phone's screen, and the console is empty."""
+    browser.wait(f"{FIGURES}.length > 0 && {FIGURES}.every((width) => width > 0)")
     browser.size(390, 844)
     wide = browser.value("document.documentElement.scrollWidth")
     assert wide <= 390, wide
     if folder:
-        browser.picture(folder / "sweep-phone.png")
+        browser.picture(folder / f"{name}-phone.png")
     assert not browser.errors, browser.errors
 
 
@@ -92,6 +106,13 @@ def main() -> None:
         assert len(rows) == 6, rows
         with Chromium((out / "report.html").as_uri()) as browser:
             check(browser, rows, folder)
+        (Path(place) / "effects.toml").write_text(EFFECTS)
+        effects = Path(place) / "effects"
+        subprocess.run([sys.argv[1], "sweep", "run", Path(place) / "effects.toml", "-o", effects], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        with Chromium((effects / "report.html").as_uri()) as browser:
+            assert "Sensitivity" in browser.value("document.body.innerText")
+            looks(browser, "effects", folder)
         alone = Path(place) / "alone"
         alone.mkdir()
         shutil.copy(out / "report.html", alone)

@@ -2,6 +2,7 @@
 
 use super::sweep::{SWEEP, place, points, run, sweep};
 use super::*;
+use std::collections::BTreeMap;
 
 #[test]
 fn a_data_set_has_images_labels_masks_and_a_card() {
@@ -91,6 +92,66 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
     assert_eq!(code(&run(&place, "set", &["--resume"])), 0);
     assert_eq!((bytes(image), points(&place, "set")), (before, table));
     assert_eq!(code(&run(&place, "set", &["--force"])), 0);
+}
+
+/// The phantom scene in few pixels of the same field, on coarse elements, its depths and interface replaced.
+fn coarse(depths: &str) -> String {
+    include_str!("../../scenes/phantom-size-8mm.toml")
+        .replace("pixels = [348, 261]", "pixels = [32, 24]")
+        .replace("pixel_pitch_um = 18.6", "pixel_pitch_um = 202.3")
+        .replace("depths_mm = [1.0, 2.0, 4.0]", &format!("{depths}resolution = 0.25\nestimate_error = false"))
+        + "\n[render]\nmap_texel_mm = 0.5\nspp = 16\nphotons = 1000\n"
+}
+
+fn table(path: &Path) -> Vec<BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    reader.deserialize().map(Result::unwrap).collect()
+}
+
+#[test]
+fn masks_go_with_a_phantom_that_slides() {
+    let place = Place::new();
+    let scene = coarse("")
+        .replace("sensor = \"deformable\"", "sensor = \"rigid\"")
+        .replace("interface = { kind = \"tied\" }", "interface = { kind = \"frictionless\" }")
+        .replace(
+            "[touch.contact]",
+            "[[press.step]]\ndepth_mm = 0.25\n[[press.step]]\nslide_mm = [3, -2]\n[touch.contact]",
+        );
+    place.write("slide.toml", &scene);
+    let sweep = "[sweep]\nscene = \"slide.toml\"\ndesign = { kind = \"grid\" }\n\
+                 images = { loads = \"all\", masks = true, test_share = 0 }\n\
+                 [[vary]]\nkey = \"render.seed\"\nvalues = [1]\n[[measure]]\nkind = \"force\"\n";
+    place.write("sweep.toml", sweep);
+    assert_eq!(code(&run(&place, "set", &[])), 0);
+    let train = place.path().join("set/train");
+    let rows = table(&train.join("metadata.csv"));
+    let middle = |row: &BTreeMap<String, String>| {
+        let mask = tirtouch::image_io::read_grey(&train.join(&row["mask_file_name"])).unwrap();
+        let lit: Vec<usize> = (0..mask.values.len()).filter(|&k| mask.values[k] == 255.0).collect();
+        let mean = |of: &dyn Fn(usize) -> usize| lit.iter().map(|&k| of(k) as f64).sum::<f64>() / lit.len() as f64;
+        [mean(&|k| k % 32), mean(&|k| k / 32)]
+    };
+    let number = |name: &str| rows.iter().map(|row| row[name].parse::<f64>().unwrap()).collect::<Vec<_>>();
+    assert_eq!([number("slide_x_mm"), number("slide_y_mm")], [[0.0, 3.0], [0.0, -2.0]]);
+    let ([from, to], scale) = ([middle(&rows[0]), middle(&rows[1])], number("mm_per_pixel")[0]);
+    let moved = [0, 1].map(|k| (to[k] - from[k]).abs() * scale);
+    assert!((moved[0] - 3.0).abs() < 0.3 && (moved[1] - 2.0).abs() < 0.3, "{moved:?}");
+}
+
+/// Pixels that are full hold no more: what an inclusion adds to them is not known.
+#[test]
+fn a_signal_of_full_pixels_is_none() {
+    let place = Place::new();
+    place.write("phantom.toml", &coarse("depths_mm = [0.5]\n"));
+    let sweep = "[sweep]\nscene = \"phantom.toml\"\ndesign = { kind = \"grid\" }\n\
+                 [[vary]]\nname = \"ms\"\nkey = \"camera.sensor.exposure_ms\"\nvalues = [0.001, 10]\n\
+                 [[measure]]\nkind = \"snr\"\nradius_mm = 3\n";
+    place.write("sweep.toml", sweep);
+    assert_eq!(code(&run(&place, "out", &[])), 0);
+    let rows = table(&place.path().join("out/points.csv"));
+    assert!(!rows[0]["snr"].is_empty() && rows[0]["note"].is_empty(), "{rows:?}");
+    assert!(rows[1]["snr"].is_empty() && rows[1]["note"].contains("top grey level"), "{rows:?}");
 }
 
 #[test]

@@ -285,6 +285,21 @@ fn keys_are_set_by_hand() {
     assert!(points(&place, "hand").starts_with("row,status,stack.layer[0].n,contrast,contrast_low,contrast_high,"));
     let again = sweep(&place, &[&by_hand, &["-o", "hand", "--backend", "cpu", "--quiet", "--resume"][..]].concat());
     assert_eq!(code(&again), 0);
+    // Curves with their intervals are of what varies: a key with one value does not. Choices alone are bars.
+    let report = |axis: &str, out: &str| {
+        let flags = ["disc.toml", "--set", "render.spp=4", "--set", axis, "-o", out, "--backend", "cpu", "--quiet"];
+        assert_eq!(code(&sweep(&place, &flags)), 0, "{axis}");
+        std::fs::read_to_string(place.path().join(out).join("report.html")).unwrap()
+    };
+    let [curve, bars] =
+        [report("stack.layer[0].n=1.40:1.42:3", "one"), report("stack.walls.kind=clear,black", "choice")];
+    assert!(curve.contains("n, with its 95 % interval.") && !curve.contains("each dot a point"));
+    assert!(bars.contains("stack.walls.kind, each bar a point with its 95 % interval."));
+    // A value of the wrong type is its own point's mistake, wherever it comes.
+    for axis in ["render.spp=1.5,4", "render.spp=4,1.5"] {
+        let output = sweep(&place, &["disc.toml", "--set", axis, "-o", axis, "--backend", "cpu", "--json", "--quiet"]);
+        assert_eq!([&json(&output)["done"], &json(&output)["rejected"]], [1, 1], "{output:?}");
+    }
     for (arguments, said) in [
         (&["disc.toml", "--set", "stack.layer[0].n=1:2"][..], "a range is FROM:TO:POINTS"),
         (&["disc.toml", "--set", "stack.layer[0].n=1,2", "--measure", "brightness"], "brightness"),

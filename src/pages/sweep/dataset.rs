@@ -6,7 +6,7 @@ use crate::pages::facts::figure;
 use crate::pages::tables::table;
 use crate::pipeline::Truth;
 use crate::scene::{Layer, LoadedScene, Scene};
-use crate::sweep::{Format, Images, Loads, Record, Sweep};
+use crate::sweep::{Format, Images, KeptLoad, Loads, Record, Sweep};
 use crate::vary::KeyPath;
 use std::collections::BTreeMap;
 
@@ -24,11 +24,18 @@ pub fn metadata_csv(sweep: &Sweep, images: &Images, records: &Records, split: &s
     head.extend(sweep.plan.names().map(str::to_owned));
     let truths = ["true_size_mm", "true_depth_mm", "true_youngs_kpa", "true_phantom_youngs_kpa"];
     head.extend(truths.map(str::to_owned));
-    let of_image = ["load", "press_depth_mm", "force_n", "mm_per_pixel", "light_stream", "sensor_stream"];
-    head.extend(of_image.map(str::to_owned));
+    let of_load = ["load", "press_depth_mm", "force_n", "slide_x_mm", "slide_y_mm", "hold_s"];
+    head.extend(of_load.iter().take(numbers_of_load(sweep)).map(|name| (*name).to_owned()));
+    head.extend(["mm_per_pixel", "light_stream", "sensor_stream"].map(str::to_owned));
     let own = sweep.kept(records).filter(|(row, _)| images.split(*row) == split);
     let rows = own.flat_map(|(row, record)| rows(sweep, images, row, &record));
     table("metadata.csv", head, rows)
+}
+
+/// How many numbers a load has: what slides and waits says by how far and how long, too.
+fn numbers_of_load(sweep: &Sweep) -> usize {
+    let steps = sweep.base.scene.press.as_ref().is_some_and(|press| !press.step.is_empty());
+    if steps { 6 } else { 3 }
 }
 
 fn rows(sweep: &Sweep, images: &Images, row: usize, record: &Record) -> Vec<Vec<String>> {
@@ -44,7 +51,7 @@ fn rows(sweep: &Sweep, images: &Images, row: usize, record: &Record) -> Vec<Vec<
     let one = |kept: &crate::sweep::Kept| {
         let mut cells = vec![kept.file.clone()];
         cells.extend(images.baseline.then(|| images.baseline_file(row)));
-        cells.extend(images.masks.then(|| Images::mask_file(row)));
+        cells.extend(images.masks.then(|| Images::mask_file(record, kept)));
         cells.extend(images.pressures.then(|| Images::pressure_file(&kept.file)));
         cells.extend([
             row.to_string(),
@@ -53,8 +60,13 @@ fn rows(sweep: &Sweep, images: &Images, row: usize, record: &Record) -> Vec<Vec<
         ]);
         cells.extend(record.values.iter().map(ToString::to_string));
         cells.extend(truth.clone());
-        let load = |of: fn(&(usize, f64, f64)) -> String| kept.load.as_ref().map_or(String::new(), of);
-        cells.extend([load(|one| one.0.to_string()), load(|one| one.1.to_string()), load(|one| one.2.to_string())]);
+        let load = |load: KeptLoad| {
+            let [x, y] = load.slide_mm;
+            let numbers = [load.depth_mm, load.force_n, x, y, load.hold_s].map(|number| number.to_string());
+            [load.number.to_string()].into_iter().chain(numbers).collect()
+        };
+        let of_load: Vec<String> = kept.load.map_or(vec![String::new(); 6], load);
+        cells.extend(of_load.into_iter().take(numbers_of_load(sweep)));
         cells.push(kept.mm_per_pixel.to_string());
         cells.extend(kept.streams.map(|stream| stream.to_string()));
         cells
@@ -139,7 +151,7 @@ fn beside(images: &Images) -> String {
             images.baseline,
             "the phantom without its inclusion, once a phantom, at its last load: it suits that load's frame",
         ),
-        (images.masks, "a mask, once a phantom: 255 where a pixel sees the face over an inclusion's outline"),
+        (images.masks, "a mask, once a phantom or where this slides a load: 255 over an inclusion's outline"),
         (images.pressures, "contact pressures of each image, kPa (`numpy.load`)"),
     ];
     kept.iter().filter(|(kept, _)| *kept).map(|(_, what)| format!("- Beside them: {what}.\n")).collect()

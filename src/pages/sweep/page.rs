@@ -1,13 +1,13 @@
 //! The page of a sweep.
 
-use super::pictures::{MOST, Picture};
+use super::pictures::Drawn;
 use crate::figure::Digits;
 use crate::output::Records;
 use crate::pages::PageError;
 use crate::pages::facts::{figure, interval, scene_rows, version};
 use crate::report::explore::{Point, Points};
 use crate::report::{AxisName, Bar, BarPlot, Item, Report, Section, Table, bar_plot};
-use crate::sweep::{Format, Kept, Record, Sensitivity, State, Status, Sweep};
+use crate::sweep::{Format, Kept, KeptLoad, Record, Sensitivity, State, Status, Sweep};
 use crate::vary::Scalar;
 use crate::vary::sensitivity::Interval;
 use std::collections::BTreeMap;
@@ -24,7 +24,7 @@ pub fn page(
     sweep: &Sweep,
     records: &Records,
     status: &Status,
-    pictures: &[Picture],
+    drawn: &Drawn,
     command: &str,
 ) -> Result<Report, PageError> {
     let row = |name: &str, value: String| (name.to_owned(), value);
@@ -43,13 +43,12 @@ pub fn page(
         let missing = status.points - status.ended();
         items.push(Item::Warning(format!("{missing} points are not computed yet: this page is of the others.")));
     }
-    items.extend(pictures.iter().map(|picture| {
+    items.extend(drawn.pictures.iter().map(|picture| {
         let caption = format!("{} against {}, {}.", picture.figure, picture.against, picture.said);
         Item::picture(&picture.svg, &caption.clone(), caption)
     }));
-    let free = sweep.free_names();
-    if free.len() > MOST {
-        items.push(Item::Text(format!("Not drawn: {}; points.csv has them.", free[MOST..].join(", "))));
+    if !drawn.left.is_empty() {
+        items.push(Item::Text(format!("Not drawn: {}; points.csv has them.", drawn.left.join(", "))));
     }
     sections.push(Section { title: "Figures".into(), items });
     if sweep.asks_sensitivity() {
@@ -105,17 +104,17 @@ fn within(interval: &Interval) -> String {
     format!("{} ({} to {})", figure(interval.value), figure(interval.low), figure(interval.high))
 }
 
-/// A bar of each kind for each variable.
+/// A bar of each kind for each variable; `lines` says what its intervals are.
 fn bars(
     (figure, sweep): (&str, &Sweep),
-    quantity: &str,
+    [quantity, lines]: [&str; 2],
     kinds: &[&str],
     rows: Vec<(&str, Vec<&Interval>)>,
 ) -> Result<Item, PageError> {
     let bar = |one: &&Interval| Bar { value: one.value, interval: [one.low, one.high] };
     let svg = bar_plot(&BarPlot {
         title: figure,
-        subtitle: &format!("{}: {quantity}; lines: 95 % intervals by resampling", sweep.name),
+        subtitle: &format!("{}: {quantity}; lines: 95 % {lines}", sweep.name),
         x: AxisName { quantity, unit: "" },
         kinds: kinds.to_vec(),
         rows: rows.into_iter().map(|(name, all)| (name, all.iter().map(bar).collect())).collect(),
@@ -123,6 +122,10 @@ fn bars(
     let caption = format!("{figure}: {quantity}.");
     Ok(Item::picture(&svg, &caption.clone(), caption))
 }
+
+/// What intervals of sensitivities are.
+const TRAJECTORIES: &str = "over trajectories, with noise";
+const RESAMPLING: &str = "by resampling, with noise";
 
 fn sensitivity(sweep: &Sweep, records: &Records) -> Result<Section, PageError> {
     let names = sweep.free_names();
@@ -132,11 +135,16 @@ fn sensitivity(sweep: &Sweep, records: &Records) -> Result<Section, PageError> {
         match &found {
             Ok(Sensitivity::Effects(all)) => {
                 let rows = all.iter().zip(&names).map(|(one, name)| (*name, vec![&one.mean_absolute])).collect();
-                items.push(bars(place, "mean of absolute effects over half of each range", &["effect"], rows)?);
+                items.push(bars(
+                    place,
+                    ["mean of absolute effects over half of each range", TRAJECTORIES],
+                    &["effect"],
+                    rows,
+                )?);
             }
             Ok(Sensitivity::Indices(all)) => {
                 let rows = all.iter().zip(&names).map(|(one, name)| (*name, vec![&one.first, &one.total])).collect();
-                items.push(bars(place, "share of the variance", &["alone", "with all others"], rows)?);
+                items.push(bars(place, ["share of the variance", RESAMPLING], &["alone", "with all others"], rows)?);
             }
             Err(_) => {}
         }
@@ -146,9 +154,7 @@ fn sensitivity(sweep: &Sweep, records: &Records) -> Result<Section, PageError> {
                 continue;
             }
             Ok(Sensitivity::Effects(all)) => (
-                format!(
-                    "{figure_name}: elementary effects over half of each range (95 % over trajectories, with noise)"
-                ),
+                format!("{figure_name}: elementary effects over half of each range (95 % {TRAJECTORIES})"),
                 vec!["variable", "mean of absolute effects", "mean", "spread"],
                 (all.iter().zip(&names))
                     .map(|(one, name)| {
@@ -157,7 +163,7 @@ fn sensitivity(sweep: &Sweep, records: &Records) -> Result<Section, PageError> {
                     .collect(),
             ),
             Ok(Sensitivity::Indices(all)) => (
-                format!("{figure_name}: shares of its variance (95 % by resampling, with noise)"),
+                format!("{figure_name}: shares of its variance (95 % {RESAMPLING})"),
                 vec!["variable", "alone", "with all others"],
                 (all.iter().zip(&names))
                     .map(|(one, name)| vec![(*name).to_owned(), within(&one.first), within(&one.total)])
@@ -205,7 +211,7 @@ fn one_by_one(sweep: &Sweep, records: &Records) -> Points {
     let (digits, measured) = (digits(sweep), sweep.columns().count());
     let images = |row: usize, record: &Record| match &sweep.file.sweep.images {
         Some(images) if images.format == Format::Png => {
-            let load = |(_, depth_mm, force_n)| format!("{} mm, {} N", figure(depth_mm), figure(force_n));
+            let load = |load: KeptLoad| format!("{} mm, {} N", figure(load.depth_mm), figure(load.force_n));
             let place =
                 |kept: &Kept| [format!("{}/{}", images.split(row), kept.file), kept.load.map(load).unwrap_or_default()];
             record.images.iter().map(place).collect()

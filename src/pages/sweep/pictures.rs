@@ -3,13 +3,15 @@
 use crate::figure::Digits;
 use crate::output::Records;
 use crate::pages::PageError;
-use crate::report::{AxisName, Curve, CurvePlot, CurveStyle, HeatMap, curve_plot, heat_map};
+use crate::report::{AxisName, Bar, BarPlot, Curve, CurvePlot, CurveStyle, HeatMap, bar_plot, curve_plot, heat_map};
 use crate::sweep::{State, Sweep};
 use crate::vary::Scalar;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most curves in one picture, and most pictures of one figure.
-pub const MOST: usize = 6;
+const MOST: usize = 6;
+/// Most bars in one picture.
+const MOST_BARS: usize = 48;
 
 /// One picture.
 pub struct Picture {
@@ -30,22 +32,29 @@ struct Seen {
     interval: Option<[f64; 2]>,
 }
 
-/// Pictures of every figure. One axis: a curve with its band. Two, of which one has few values: a curve for each of
-/// them; a grid of many values: a map. Else: the figure against each variable, one dot a point.
-pub fn draw(sweep: &Sweep, records: &Records) -> Result<Vec<Picture>, PageError> {
+/// What is drawn, and variables that are not.
+pub struct Drawn {
+    /// Pictures of every figure.
+    pub pictures: Vec<Picture>,
+    /// Variables that change and are in no picture.
+    pub left: Vec<String>,
+}
+
+/// Pictures of every figure. One axis: a curve with its band. Others beside it, with few sets of values: a curve for each
+/// of them; a grid of two with many values: a map. Choices alone: a bar a point. Else: the figure against each variable of numbers,
+/// one dot a point.
+pub fn draw(sweep: &Sweep, records: &Records) -> Result<Drawn, PageError> {
     let names: Vec<&str> = sweep.plan.names().collect();
     let done: Vec<_> = (0..sweep.plan.count())
         .filter_map(|row| sweep.record(records, row).filter(|record| record.status == State::Done))
         .collect();
     let free = sweep.plan.free();
-    // Of a table of points, what changes.
-    let free: Vec<usize> = match free.is_empty() {
-        true => (0..names.len())
-            .filter(|&k| done.iter().any(|one| one.values.get(k) != done.first().and_then(|first| first.values.get(k))))
-            .collect(),
-        false => free,
-    };
-    let mut pictures = Vec::new();
+    // What changes: a list of one value does not, and a table of points has columns alone.
+    let first = |k: usize| done.first().and_then(|first| first.values.get(k));
+    let changes = |&k: &usize| done.len() < 2 || done.iter().any(|one| one.values.get(k) != first(k));
+    let free: Vec<usize> = if free.is_empty() { (0..names.len()).collect() } else { free };
+    let free: Vec<usize> = free.into_iter().filter(changes).collect();
+    let (mut pictures, mut drawn) = (Vec::new(), BTreeSet::new());
     for (k, name) in sweep.columns().enumerate() {
         let seen: Vec<Seen> = done
             .iter()
@@ -59,19 +68,25 @@ pub fn draw(sweep: &Sweep, records: &Records) -> Result<Vec<Picture>, PageError>
             continue;
         }
         let one = Drawing { sweep: &sweep.name, figure: name, seen: &seen, names: &names };
-        match free[..] {
-            [x] if one.is_numeric(x) => pictures.push(one.curves(x, None)?),
-            [a, b] if one.is_numeric(a) && one.few(b) => pictures.push(one.curves(a, Some(b))?),
-            [a, b] if one.is_numeric(b) && one.few(a) => pictures.push(one.curves(b, Some(a))?),
-            [a, b] if one.is_grid(a, b) => pictures.push(one.map(a, b)?),
+        match (one.along(&free), &free[..]) {
+            (Some((x, by)), _) => pictures.push(one.curves(x, &by)?),
+            (None, &[a, b]) if one.is_grid(a, b) => pictures.push(one.map(a, b)?),
+            (None, [_, ..]) if !free.iter().any(|&x| one.is_numeric(x)) => match seen.len() <= MOST_BARS {
+                true => pictures.push(one.bars(&free)?),
+                false => continue,
+            },
             _ => {
                 for &x in free.iter().filter(|&&x| one.is_numeric(x)).take(MOST) {
                     pictures.push(one.dots(x)?);
+                    drawn.insert(x);
                 }
+                continue;
             }
         }
+        drawn.extend(&free);
     }
-    Ok(pictures)
+    let left = free.iter().filter(|k| !drawn.contains(k)).filter_map(|&k| names.get(k).map(|name| (*name).to_owned()));
+    Ok(Drawn { pictures, left: left.collect() })
 }
 
 struct Drawing<'a> {
@@ -86,31 +101,37 @@ impl Drawing<'_> {
         self.seen.iter().all(|seen| seen.values.get(variable).is_some_and(|value| value.number().is_some()))
     }
 
-    /// Whether a variable takes few values.
-    fn few(&self, variable: usize) -> bool {
-        self.groups(Some(variable)).len() <= MOST
+    /// The variable of numbers that takes most values, and the others, where these take few sets of values, of which each
+    /// makes a curve.
+    fn along(&self, free: &[usize]) -> Option<(usize, Vec<usize>)> {
+        let numbers = free.iter().copied().filter(|&x| self.is_numeric(x));
+        let x = numbers.max_by_key(|&x| (self.groups(&[x]).len(), std::cmp::Reverse(x)))?;
+        let by: Vec<usize> = free.iter().copied().filter(|&k| k != x).collect();
+        let curves = self.groups(&by).len();
+        (curves <= MOST && (by.is_empty() || self.seen.len() >= 2 * curves)).then_some((x, by))
     }
 
     /// Whether there is a point for most pairs of values of two variables of numbers, and for none two.
     fn is_grid(&self, a: usize, b: usize) -> bool {
-        let count = |variable: usize| self.groups(Some(variable)).len();
+        let count = |variable: usize| self.groups(&[variable]).len();
         let pairs: BTreeSet<_> = self.seen.iter().map(|seen| [a, b].map(|k| self.x(seen, k).to_bits())).collect();
         let all = self.seen.len();
         self.is_numeric(a) && self.is_numeric(b) && pairs.len() == all && count(a) * count(b) <= 2 * all
     }
 
-    /// Points by the value of a variable, in the order in which values come.
-    fn groups(&self, by: Option<usize>) -> Vec<(String, Vec<&Seen>)> {
+    /// Points by the values of variables, in the order in which these come.
+    fn groups(&self, by: &[usize]) -> Vec<(String, Vec<&Seen>)> {
         let values = |by: usize| self.seen.iter().filter_map(move |seen| seen.values.get(by)?.number());
-        let digits = by.map(|by| Digits::of(values(by)));
+        let digits: Vec<(usize, Digits)> = by.iter().map(|&by| (by, Digits::of(values(by)))).collect();
+        let written = |seen: &Seen, (by, digits): &(usize, Digits)| -> Option<String> {
+            let value = seen.values.get(*by)?;
+            let value = value.number().map_or_else(|| value.to_string(), |number| digits.written(number));
+            Some(format!("{} = {value}", self.name(*by)))
+        };
         let mut groups: Vec<(String, Vec<&Seen>)> = Vec::new();
         let mut places = BTreeMap::new();
         for seen in self.seen {
-            let value = by.and_then(|by| seen.values.get(by));
-            let name = value.map_or(String::new(), |value| match (value.number(), digits) {
-                (Some(number), Some(digits)) => digits.written(number),
-                _ => value.to_string(),
-            });
+            let name = digits.iter().filter_map(|one| written(seen, one)).collect::<Vec<_>>().join(", ");
             let place = *places.entry(name.clone()).or_insert_with(|| {
                 groups.push((name, Vec::new()));
                 groups.len() - 1
@@ -128,10 +149,9 @@ impl Drawing<'_> {
         self.names.get(variable).copied().unwrap_or("")
     }
 
-    fn curves(&self, x: usize, by: Option<usize>) -> Result<Picture, PageError> {
-        let curves = self.groups(by).into_iter().map(|(value, mut seen)| {
+    fn curves(&self, x: usize, by: &[usize]) -> Result<Picture, PageError> {
+        let curves = self.groups(by).into_iter().map(|(name, mut seen)| {
             seen.sort_by(|a, b| self.x(a, x).total_cmp(&self.x(b, x)));
-            let name = by.map_or(String::new(), |by| format!("{} = {value}", self.name(by)));
             let band = seen.iter().filter_map(|seen| seen.interval.map(|[low, high]| [self.x(seen, x), low, high]));
             Curve {
                 name,
@@ -160,6 +180,25 @@ impl Drawing<'_> {
             points: self.seen.iter().map(|seen| [self.x(seen, x), self.x(seen, y), seen.value]).collect(),
         })?;
         Ok(Picture { figure: self.figure, against, svg, said: "each cell a point" })
+    }
+
+    /// A bar a point, named by its values.
+    fn bars(&self, variables: &[usize]) -> Result<Picture, PageError> {
+        let name = |seen: &Seen| {
+            let values = variables.iter().filter_map(|&k| seen.values.get(k)).map(ToString::to_string);
+            values.collect::<Vec<_>>().join(", ")
+        };
+        let names: Vec<String> = self.seen.iter().map(name).collect();
+        let bar = |seen: &Seen| Bar { value: seen.value, interval: seen.interval.unwrap_or([seen.value; 2]) };
+        let against = variables.iter().map(|&k| self.name(k)).collect::<Vec<_>>().join(", ");
+        let svg = bar_plot(&BarPlot {
+            title: self.figure,
+            subtitle: &format!("{}: against {against}; lines: 95 % intervals", self.sweep),
+            x: AxisName { quantity: self.figure, unit: "" },
+            kinds: vec![self.figure],
+            rows: names.iter().map(String::as_str).zip(self.seen.iter().map(|seen| vec![bar(seen)])).collect(),
+        })?;
+        Ok(Picture { figure: self.figure, against, svg, said: "each bar a point with its 95 % interval" })
     }
 
     fn plot(&self, x: usize, curves: Vec<Curve>, shown: &str, said: &'static str) -> Result<Picture, PageError> {
