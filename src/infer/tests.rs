@@ -260,14 +260,12 @@ fn frames_that_do_not_go_with_the_others_are_told() {
     let mut random = PixelRandom::new(7, 0);
     let points: Vec<Vec<f64>> = (0..150).map(|_| drawn(&mut random)).collect();
     let mut vectors: Vec<Vec<f64>> = points.iter().map(|p| noisy(light(p), 0.01, 0.002, &mut random)).collect();
-    let off = |vectors: &[Vec<f64>]| {
-        let learnt = Learnt::from(unknowns(), &points, vectors, vec![100.0; LENGTH], (0..LENGTH).collect()).unwrap();
-        learnt.left_out(vectors).unwrap()
-    };
     let most = |off: &[f64]| off.iter().copied().fold(0.0, f64::max);
-    let clean = off(&vectors);
+    // These are what it was learnt from.
+    let clean = LEARNT.left_out(&vectors).unwrap();
     assert!(most(&clean) < 5.0, "{clean:?}");
     vectors[7] = vectors[8].clone();
-    let faulty = off(&vectors);
+    let learnt = Learnt::from(unknowns(), &points, &vectors, vec![100.0; LENGTH], (0..LENGTH).collect()).unwrap();
+    let faulty = learnt.left_out(&vectors).unwrap();
     assert!(faulty[7] > 5.0 && faulty[7] == most(&faulty), "{faulty:?}");
 }

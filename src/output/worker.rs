@@ -196,14 +196,14 @@ fn host_of(worker: &str) -> Option<&str> {
     worker.rsplitn(3, '-').nth(2)
 }
 
-/// This machine's name, as far as a file name can hold it: its end, by which machines of one job differ.
+/// This machine's name, as far as a file name can hold it. Machines of one job may differ at either end: it is not cut,
+/// Linux has 64 characters at most.
 fn host() -> String {
     let named =
         ["/proc/sys/kernel/hostname", "/etc/hostname"].iter().find_map(|file| std::fs::read_to_string(file).ok());
     let named = named.or_else(|| std::env::var("HOSTNAME").ok());
     let plain = |name: String| -> String {
-        let plain: Vec<char> = name.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '-').collect();
-        plain[plain.len().saturating_sub(40)..].iter().collect()
+        name.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '-').take(128).collect()
     };
     named.map(plain).filter(|name| !name.is_empty()).unwrap_or_else(|| "host".into())
 }

@@ -357,8 +357,8 @@ fn coverage(known: &[Known]) -> Result<Vec<Group>, StatisticsError> {
     Ok(groups)
 }
 
-/// Those that have a number in thirds of it, each with its ends; none where all have the same one, for then thirds would
-/// be told apart by the order in which they come.
+/// Those that have a number in thirds of it, each with its ends; none where all have the same one: thirds would then be
+/// told apart by the order in which they come.
 fn thirds<T>(all: Vec<T>, of: impl Fn(&T) -> Option<f64>) -> Vec<([f64; 2], Vec<T>)> {
     let mut sorted: Vec<(f64, T)> = all.into_iter().filter_map(|one| Some((of(&one)?, one))).collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));

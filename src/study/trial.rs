@@ -39,8 +39,9 @@ pub struct Trial {
     /// Rank of the true size, depth and modulus among 99 draws of the posterior within the ranges that truths are drawn
     /// from, 0 to 99; none where there are no draws.
     pub ranks: [Option<usize>; 3],
-    /// Least standard deviations of size, depth and modulus by what the frames tell, shares of the truth: the
-    /// Cramér-Rao bound, without the calibration's own error. None where there are no draws.
+    /// Least standard deviations of size, depth and modulus by what frames and forces tell of the calibration's scores,
+    /// shares of the truth: the Cramér-Rao bound, without the calibration's own error. None where there are no draws,
+    /// or what is true of an unknown was not learnt.
     pub bounds: [Option<f64>; 3],
     /// The calibration's unknowns that the phantoms' sweep has variables of, by their names.
     pub others: Vec<Other>,

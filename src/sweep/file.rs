@@ -112,7 +112,7 @@ impl Place {
     }
 }
 
-/// Points of one set of words that are looked at for one that makes a scene.
+/// Points that are looked at for one that makes a scene.
 const MOST_LOOKED: usize = 1000;
 
 /// Mistakes that all points of a sweep share.
@@ -320,8 +320,10 @@ impl Sweep {
                 Err(Rejected::Point(_)) => {}
             }
             let seen: usize = looked.values().sum();
-            if !self.plan.has_words() && (makes_scenes || seen >= MOST_LOOKED) {
-                break;
+            match makes_scenes {
+                true if !self.plan.has_words() => break,
+                false if seen >= MOST_LOOKED => break,
+                _ => {}
             }
         }
         match broken {

@@ -21,16 +21,21 @@ pub(super) const LABELS: &[&str] = &[
     "true_depth_mm",
     "true_youngs_kpa",
     "true_phantom_youngs_kpa",
-    "load",
-    "press_depth_mm",
-    "force_n",
-    "slide_x_mm",
-    "slide_y_mm",
-    "hold_s",
     "mm_per_pixel",
     "light_stream",
     "sensor_stream",
 ];
+
+/// What labels say of a load; of a press without steps the first three.
+const OF_LOAD: [&str; 6] = ["load", "press_depth_mm", "force_n", "slide_x_mm", "slide_y_mm", "hold_s"];
+
+impl Sweep {
+    /// Columns of a data set's labels that say of an image's load what it is.
+    pub fn of_load(&self) -> &'static [&'static str] {
+        let has_steps = self.base.scene.press.as_ref().is_some_and(|press| !press.step.is_empty());
+        if has_steps { &OF_LOAD } else { &OF_LOAD[..3] }
+    }
+}
 
 impl Images {
     fn ending(self) -> &'static str {
@@ -135,7 +140,7 @@ fn stem(file: &str) -> &str {
     file.split_once('.').map_or(file, |(stem, _)| stem)
 }
 
-/// 255 where a pixel sees a point of the touched face that lies over an inclusion of a phantom that slid so far, else 0.
+/// 255 where a pixel sees a point of the touched face over an inclusion of a phantom that slid so far, else 0.
 fn mask(shot: &Shot, slide_mm: [f64; 2]) -> Vec<u16> {
     let scene = shot.prepared.scene();
     let [width, height] = scene.camera.pixels.map(|pixels| pixels as usize);

@@ -77,6 +77,7 @@ impl Kept {
 
 /// The load of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Recorded")]
 pub struct KeptLoad {
     /// Which, from 0.
     pub number: usize,
@@ -88,6 +89,27 @@ pub struct KeptLoad {
     pub slide_mm: [f64; 2],
     /// Time for which it was held before, s.
     pub hold_s: f64,
+}
+
+/// As records have it: before slides were kept as three numbers.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Recorded {
+    Whole { number: usize, depth_mm: f64, force_n: f64, slide_mm: [f64; 2], hold_s: f64 },
+    Numbers(usize, f64, f64),
+}
+
+impl From<Recorded> for KeptLoad {
+    fn from(recorded: Recorded) -> Self {
+        match recorded {
+            Recorded::Whole { number, depth_mm, force_n, slide_mm, hold_s } => {
+                Self { number, depth_mm, force_n, slide_mm, hold_s }
+            }
+            Recorded::Numbers(number, depth_mm, force_n) => {
+                Self { number, depth_mm, force_n, slide_mm: [0.0; 2], hold_s: 0.0 }
+            }
+        }
+    }
 }
 
 impl Images {
@@ -103,8 +125,17 @@ impl Images {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn loads_of_earlier_records_are_read() {
+        let load = KeptLoad { number: 1, depth_mm: 2.0, force_n: 0.5, slide_mm: [3.0, 0.0], hold_s: 1.0 };
+        let read = |text: &str| serde_json::from_str::<KeptLoad>(text).unwrap();
+        assert_eq!(read(&serde_json::to_string(&load).unwrap()), load);
+        assert_eq!(read("[1, 2.0, 0.5]"), KeptLoad { slide_mm: [0.0; 2], hold_s: 0.0, ..load });
+    }
 
     #[test]
     fn a_split_is_of_the_row_alone() {

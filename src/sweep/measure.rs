@@ -32,7 +32,8 @@ pub enum Measure {
         around_mm: [f64; 2],
     },
     /// What the inclusions add to the electrons of a pixel in a disc, over the noise of the camera in the difference of
-    /// two frames. It takes a second image, of the phantom without inclusions.
+    /// two frames. It takes a second image, of the phantom without inclusions. Undefined where over a hundredth of the
+    /// disc's pixels is at the top grey level in either.
     Snr {
         /// Centre on the touched face, mm. Default: the middle.
         #[serde(default)]

@@ -52,7 +52,8 @@ impl Sweep {
                 }
             }
         }
-        let free = self.plan.free().len();
+        let free = self.plan.free();
+        let ordered: Vec<bool> = free.iter().map(|&k| self.plan.is_ordered(k)).collect();
         let of = |([figures, noise], missing): (&[Vec<f64>; 2], &Option<usize>)| {
             if let Some(row) = missing {
                 return Err(format!("the design is not complete: point {row} has no such figure"));
@@ -60,11 +61,11 @@ impl Sweep {
             match self.file.sweep.design {
                 Design::Morris { .. } => {
                     let units: Vec<Vec<f64>> = (0..self.plan.count()).map(|row| self.plan.unit(row)).collect();
-                    effects(free, &units, figures, noise).map(Sensitivity::Effects)
+                    effects(&ordered, &units, figures, noise).map(Sensitivity::Effects)
                 }
                 Design::Saltelli { .. } => {
                     let common = self.file.sweep.random_numbers == RandomNumbers::Common;
-                    indices(free, figures, noise, common).map(Sensitivity::Indices)
+                    indices(free.len(), figures, noise, common).map(Sensitivity::Indices)
                 }
                 _ => Err("its design is not one of sensitivity".into()),
             }

@@ -88,8 +88,11 @@ impl Sweep {
     pub(super) fn own_columns(&self) -> Vec<String> {
         let figures = self.columns().flat_map(|name| ["", "_low", "_high"].map(|end| format!("{name}{end}")));
         let fixed = ["row", "status", "relative_error", "note"];
-        let labels = if self.file.sweep.images.is_some() { super::images::LABELS } else { &[] };
-        figures.chain(fixed.iter().chain(labels).map(|name| (*name).to_owned())).collect()
+        let labels: Vec<&str> = match self.file.sweep.images {
+            Some(_) => super::images::LABELS.iter().copied().chain(self.of_load().iter().copied()).collect(),
+            None => Vec::new(),
+        };
+        figures.chain(fixed.into_iter().chain(labels).map(str::to_owned)).collect()
     }
 
     /// What is kept of a point. A record whose images are gone is as good as a damaged one.

@@ -161,6 +161,12 @@ impl Plan {
         (0..self.variables.len()).filter(|&k| self.variables[k].source.is_free()).collect()
     }
 
+    /// Whether values of a variable have an order: all but lists of words.
+    pub fn is_ordered(&self, variable: usize) -> bool {
+        let mut listed = self.variables.get(variable).into_iter().flat_map(|one| one.source.listed());
+        listed.all(|value| value.number().is_some())
+    }
+
     /// A point of the unit cube: a coordinate for each variable that the design draws.
     pub fn unit(&self, row: usize) -> Vec<f64> {
         self.units.point(row)

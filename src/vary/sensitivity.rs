@@ -80,13 +80,14 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
     values.clone().sum::<f64>() / values.count().max(1) as f64
 }
 
-/// Effects of each of `variables` variables from the figures of a Morris design, row after row, and the standard
-/// deviations of their noise. Trajectories have no noise in common.
+/// Effects of each variable from the figures of a Morris design, row after row, and the standard deviations of their
+/// noise. Effects of variables that are `ordered` are over half of their range, or of their values; those of words are
+/// changes as they come. Trajectories have no noise in common.
 ///
 /// # Errors
 /// Figures that are not those of a complete design.
-pub fn effects(variables: usize, units: &[Vec<f64>], figures: &[f64], noise: &[f64]) -> Result<Vec<Effects>, String> {
-    let length = variables + 1;
+pub fn effects(ordered: &[bool], units: &[Vec<f64>], figures: &[f64], noise: &[f64]) -> Result<Vec<Effects>, String> {
+    let (variables, length) = (ordered.len(), ordered.len() + 1);
     if [units.len(), noise.len()] != [figures.len(); 2] || figures.is_empty() || !figures.len().is_multiple_of(length) {
         return Err(format!("{} figures are not those of a complete design of {}", figures.len(), units.len()));
     }
@@ -100,8 +101,9 @@ pub fn effects(variables: usize, units: &[Vec<f64>], figures: &[f64], noise: &[f
             for (variable, effect) in effects.iter_mut().enumerate() {
                 let step = units[row][variable] - units[row - 1][variable];
                 if step != 0.0 {
-                    // Of half the range: lists of an odd number of values step by a little less, or more.
-                    let [change, scale] = [figures[row] - figures[row - 1], 0.5 / step];
+                    // Lists of an odd number of values step by a little less than half, or more.
+                    let scale = if ordered[variable] { 0.5 / step } else { step.signum() };
+                    let change = figures[row] - figures[row - 1];
                     *effect = [change * scale, noise[row].hypot(noise[row - 1]) * scale.abs()];
                 }
             }
@@ -246,8 +248,8 @@ mod tests {
         assert_eq!(indices(1, &figures[..189], &[0.0; 189], true).unwrap_err(), FEW);
         assert!(indices(1, &figures, &[0.0; 192], true).is_ok());
         let units: Vec<_> = (0..12).map(|k| vec![0.5 * f64::from(k % 2)]).collect();
-        assert_eq!(effects(1, &units[..10], &figures[..10], &[0.0; 10]).unwrap_err(), FEW);
-        assert!(effects(1, &units, &figures[..12], &[0.0; 12]).is_ok());
+        assert_eq!(effects(&[true], &units[..10], &figures[..10], &[0.0; 10]).unwrap_err(), FEW);
+        assert!(effects(&[true], &units, &figures[..12], &[0.0; 12]).is_ok());
     }
 
     /// Of x0 x1 the effect of x0 over half of its range, 2, is 2 x1: 6 on average, by levels from 1 to 5.
@@ -257,7 +259,7 @@ mod tests {
             let held = (0..400).filter(|&seed| {
                 let (points, units) = trajectories(count, seed, 2);
                 let figures: Vec<f64> = points.iter().map(|x| x[0] * x[1]).collect();
-                let found = effects(2, &units, &figures, &vec![0.0; points.len()]).unwrap()[0];
+                let found = effects(&[true; 2], &units, &figures, &vec![0.0; points.len()]).unwrap()[0];
                 [found.mean, found.mean_absolute].iter().all(|interval| (interval.low..=interval.high).contains(&6.0))
             });
             // 380 and three standard deviations; resampling holds means of 4 and of 8 such values in 80 and 90 of 100.
@@ -288,7 +290,7 @@ mod tests {
             for seed in 0..400 {
                 let (points, units) = trajectories(8, seed, 3);
                 let figures = noisy(points.iter().map(of), DEVIATION, seed, 4, common);
-                let found = |noise| effects(3, &units, &figures, &vec![noise; points.len()]).unwrap();
+                let found = |noise| effects(&[true; 3], &units, &figures, &vec![noise; points.len()]).unwrap();
                 let holds = |one: &Effects, truth| (one.mean_absolute.low..=one.mean_absolute.high).contains(&truth);
                 let told = found(DEVIATION);
                 held[0] += u32::from(holds(&told[1], truth[0]));
@@ -369,14 +371,14 @@ mod tests {
         let figures: Vec<f64> =
             points.iter().map(|x| 7.0 + x.iter().zip(slopes).map(|(x, a)| a * x).sum::<f64>()).collect();
         // Over half of the range: 2.
-        for (found, slope) in effects(4, &units, &figures, &[0.0; 60]).unwrap().iter().zip(slopes) {
+        for (found, slope) in effects(&[true; 4], &units, &figures, &[0.0; 60]).unwrap().iter().zip(slopes) {
             assert!((found.mean.value - 2.0 * slope).abs() < 1e-12 && found.spread < 1e-12, "{found:?}");
             assert!((found.mean_absolute.value - 2.0 * slope.abs()).abs() < 1e-12);
             assert!((found.mean.high - found.mean.low).abs() < 1e-12);
         }
         // One that bends has a spread.
         let bent: Vec<f64> = points.iter().map(|x| x[0] * x[1]).collect();
-        assert!(effects(4, &units, &bent, &[0.0; 60]).unwrap()[0].spread > 0.5);
+        assert!(effects(&[true; 4], &units, &bent, &[0.0; 60]).unwrap()[0].spread > 0.5);
     }
 
     /// Values of a list step by half of them, or by nearly half: effects are those over half of the range all the same.
@@ -388,9 +390,12 @@ mod tests {
             let plan = Plan::new(&[vary], &[], &Design::Morris { trajectories: 12, seed: 5 }, None).unwrap();
             let units: Vec<_> = (0..plan.count()).map(|row| plan.unit(row)).collect();
             let figures: Vec<f64> = values(&plan).iter().map(|x| 3.0 * x[0]).collect();
-            let found = effects(1, &units, &figures, &vec![0.1; units.len()]).unwrap()[0];
+            let found = |is_ordered| effects(&[is_ordered], &units, &figures, &vec![0.1; units.len()]).unwrap()[0];
+            let (half, as_it_comes) = (found(plan.is_ordered(0)), found(false));
             let slope = 3.0 * 0.5 * f64::from(count);
-            assert!((found.mean.value - slope).abs() < 1e-12 && found.spread < 1e-12, "{count}: {found:?}");
+            assert!((half.mean.value - slope).abs() < 1e-12 && half.spread < 1e-12, "{count}: {half:?}");
+            // An odd number steps by less or more.
+            assert_eq!(as_it_comes.spread > 0.1, count % 2 == 1, "{count}: {as_it_comes:?}");
         }
     }
 
@@ -400,7 +405,9 @@ mod tests {
         assert!(indices(3, &[], &[], true).is_err());
         assert_eq!(indices(3, &[2.0; 320], &[0.0; 320], true).unwrap_err(), CONSTANT);
         assert!(
-            effects(2, &[vec![0.0; 2], vec![0.0; 2]], &[1.0, 2.0], &[0.0; 2]).unwrap_err().contains("complete design")
+            effects(&[true; 2], &[vec![0.0; 2], vec![0.0; 2]], &[1.0, 2.0], &[0.0; 2])
+                .unwrap_err()
+                .contains("complete design")
         );
     }
 }

@@ -46,6 +46,9 @@ EFFECTS = SWEEP.replace('{ kind = "grid" }', '{ kind = "morris", trajectories = 
 [[vary]]
 key = "stack.layer[\\"PDMS 1.41\\"].n"
 uniform = [1.405, 1.415]
+[[vary]]
+key = "render.photons"
+fixed = 4096
 """
 FIGURES = "[...document.querySelectorAll('figure img')].map((image) => image.complete && image.naturalWidth)"
 CELLS = """[...document.querySelectorAll('#points-table tbody tr')]

@@ -24,18 +24,11 @@ pub fn metadata_csv(sweep: &Sweep, images: &Images, records: &Records, split: &s
     head.extend(sweep.plan.names().map(str::to_owned));
     let truths = ["true_size_mm", "true_depth_mm", "true_youngs_kpa", "true_phantom_youngs_kpa"];
     head.extend(truths.map(str::to_owned));
-    let of_load = ["load", "press_depth_mm", "force_n", "slide_x_mm", "slide_y_mm", "hold_s"];
-    head.extend(of_load.iter().take(numbers_of_load(sweep)).map(|name| (*name).to_owned()));
+    head.extend(sweep.of_load().iter().map(|name| (*name).to_owned()));
     head.extend(["mm_per_pixel", "light_stream", "sensor_stream"].map(str::to_owned));
     let own = sweep.kept(records).filter(|(row, _)| images.split(*row) == split);
     let rows = own.flat_map(|(row, record)| rows(sweep, images, row, &record));
     table("metadata.csv", head, rows)
-}
-
-/// How many numbers a load has: what slides and waits says by how far and how long, too.
-fn numbers_of_load(sweep: &Sweep) -> usize {
-    let steps = sweep.base.scene.press.as_ref().is_some_and(|press| !press.step.is_empty());
-    if steps { 6 } else { 3 }
 }
 
 fn rows(sweep: &Sweep, images: &Images, row: usize, record: &Record) -> Vec<Vec<String>> {
@@ -66,7 +59,7 @@ fn rows(sweep: &Sweep, images: &Images, row: usize, record: &Record) -> Vec<Vec<
             [load.number.to_string()].into_iter().chain(numbers).collect()
         };
         let of_load: Vec<String> = kept.load.map_or(vec![String::new(); 6], load);
-        cells.extend(of_load.into_iter().take(numbers_of_load(sweep)));
+        cells.extend(of_load.into_iter().take(sweep.of_load().len()));
         cells.push(kept.mm_per_pixel.to_string());
         cells.extend(kept.streams.map(|stream| stream.to_string()));
         cells

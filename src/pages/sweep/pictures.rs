@@ -36,13 +36,13 @@ struct Seen {
 pub struct Drawn {
     /// Pictures of every figure.
     pub pictures: Vec<Picture>,
-    /// Variables that change and are in no picture.
+    /// Variables that change and are in no picture of a figure.
     pub left: Vec<String>,
 }
 
-/// Pictures of every figure. One axis: a curve with its band. Others beside it, with few sets of values: a curve for each
-/// of them; a grid of two with many values: a map. Choices alone: a bar a point. Else: the figure against each variable of numbers,
-/// one dot a point.
+/// Pictures of every figure. One axis: a curve with its band. Others beside it, with few sets of values: a curve for
+/// each of them; a grid of two with many values: a map. Choices alone: a bar a point. Else: the figure against each
+/// variable of numbers, one dot a point.
 pub fn draw(sweep: &Sweep, records: &Records) -> Result<Drawn, PageError> {
     let names: Vec<&str> = sweep.plan.names().collect();
     let done: Vec<_> = (0..sweep.plan.count())
@@ -54,7 +54,7 @@ pub fn draw(sweep: &Sweep, records: &Records) -> Result<Drawn, PageError> {
     let changes = |&k: &usize| done.len() < 2 || done.iter().any(|one| one.values.get(k) != first(k));
     let free: Vec<usize> = if free.is_empty() { (0..names.len()).collect() } else { free };
     let free: Vec<usize> = free.into_iter().filter(changes).collect();
-    let (mut pictures, mut drawn) = (Vec::new(), BTreeSet::new());
+    let (mut pictures, mut drawn, mut has_figures) = (Vec::new(), BTreeSet::new(), false);
     for (k, name) in sweep.columns().enumerate() {
         let seen: Vec<Seen> = done
             .iter()
@@ -67,6 +67,7 @@ pub fn draw(sweep: &Sweep, records: &Records) -> Result<Drawn, PageError> {
         if seen.is_empty() {
             continue;
         }
+        has_figures = true;
         let one = Drawing { sweep: &sweep.name, figure: name, seen: &seen, names: &names };
         match (one.along(&free), &free[..]) {
             (Some((x, by)), _) => pictures.push(one.curves(x, &by)?),
@@ -85,7 +86,10 @@ pub fn draw(sweep: &Sweep, records: &Records) -> Result<Drawn, PageError> {
         }
         drawn.extend(&free);
     }
-    let left = free.iter().filter(|k| !drawn.contains(k)).filter_map(|&k| names.get(k).map(|name| (*name).to_owned()));
+    let left = free
+        .iter()
+        .filter(|k| has_figures && !drawn.contains(k))
+        .filter_map(|&k| names.get(k).map(|name| (*name).to_owned()));
     Ok(Drawn { pictures, left: left.collect() })
 }
 
@@ -101,8 +105,8 @@ impl Drawing<'_> {
         self.seen.iter().all(|seen| seen.values.get(variable).is_some_and(|value| value.number().is_some()))
     }
 
-    /// The variable of numbers that takes most values, and the others, where these take few sets of values, of which each
-    /// makes a curve.
+    /// The variable of numbers that takes most values, and the others, where these take few sets of values, of which
+    /// each makes a curve.
     fn along(&self, free: &[usize]) -> Option<(usize, Vec<usize>)> {
         let numbers = free.iter().copied().filter(|&x| self.is_numeric(x));
         let x = numbers.max_by_key(|&x| (self.groups(&[x]).len(), std::cmp::Reverse(x)))?;
