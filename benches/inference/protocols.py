@@ -2,22 +2,24 @@
 """What can a protocol of ten frames tell of size, depth and modulus at best?
 
     cargo build --release && python3 benches/inference/protocols.py [--phantom 8,5,120,5 ..] [--steps 1 0.5]
-        [--smooth 0.001 ..] [--resolution 1] [--keep FOLDER] [--solid] [--program target/release/tirtouch]
+        [--errors 1e-3 1e-3:0.9 1e-4 ..] [--resolution 1] [--keep FOLDER] [--solid] [--program target/release/tirtouch]
 
 An independent look at `tirtouch calibrate --bound`: no light is traced. A frame is the share of true contact by
 Persson's law, erf(sqrt(2) p / E*), of the pressure p of a press, so that all slopes are central differences of presses,
-free of light's noise. Pixels are 348 x 261 over the face, with 6000 electrons at 2 kPa in 0.0778 ms; each protocol is
-exposed as long as no pixel of its ten frames is full. Beside size, depth and modulus are unknown: the phantom's
-modulus, the depth of the press (1 %), the contact law (10 %), the LEDs' power (3 %), with `--solid` the inclusion's
-place. Slopes are polynomials of the place, eight even ones of the radius, 36 of the face: meshes change with the size,
-and leave 1 % from ring to ring in its slope, which would pass for information; of the other slopes polynomials leave
-0.1 %. Each load has an error along the same polynomials (`--smooth`, a share, root mean square). Prints Cramer-Rao
-bounds in percent, a row a protocol, for each error and each step of the differences: what depends on the step is not
-known.
+free of light's noise. Frames of 348 x 261 pixels are read out to five sixths of the touched face's radius and exposed
+until nine tenths of a pixel's well are full where most light is read; light spreads by about 1 mm in the tissue, which
+takes the brightness of the rim away. Beside size, depth and modulus are unknown: the phantom's modulus, the depth of
+the press (1 %), the contact law (10 %), the LEDs' power (3 %), with `--solid` the inclusion's place. Slopes are
+polynomials of the place, eight even ones of the radius, 36 of the face: meshes change with the size, and leave 0.3 %
+from ring to ring in its slope (1 % by steps of 3 %), which would pass for information; of the other slopes polynomials
+leave 0.1 %. The logarithm of each load's light has an error of its own that is alike over 3 mm (a Gaussian process):
+`--errors`, standard deviations, each with the correlation of the loads' errors after a colon. Prints Cramer-Rao bounds
+in percent, a row a protocol, for each error and each step of the differences: what depends on the step is not known.
 `--solid` presses in three dimensions, off the axis and tilted too. `--keep` keeps the presses. Needs numpy and scipy.
 """
 
 import argparse
+import json
 import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -26,15 +28,17 @@ from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import griddata
+from scipy.linalg import block_diag
 from scipy.special import erf
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE = ROOT / "scenes/calibrations/sensor.toml"
 FIELD_MM = (29.9, 22.4)
 PIXELS_PER_MM2 = 348 * 261 / (FIELD_MM[0] * FIELD_MM[1])
-# The law of the scene: reduced modulus times slope, kPa. Electrons of a pixel at a whole contact.
+# The law of the scene: reduced modulus times slope, kPa.
 CONTACT_KPA = 60.0
-ELECTRONS = 6000.0 / erf(np.sqrt(2.0) * 2.0 / CONTACT_KPA)
+# Over which an error of the light is alike, mm.
+ALIKE_MM = 3.0
 READ_NOISE_E, WELL_E, LEVELS = 9.0, 15000.0, 255.0
 FRAMES = 10
 FORCE_ERROR = 0.01
@@ -42,7 +46,7 @@ INCLUSION = "phantom.inclusion[0]"
 RADIUS = "press.footprint.radius_mm"
 # Steps of the logarithms of size, depth, modulus, the phantom's modulus and the depth of the press; of the place, mm.
 NAMES = ("size", "depth", "modulus", "phantom", "press", "x", "y")
-STEPS = (0.03, 0.03, 0.25, 0.05, 0.01, 0.3, 0.3)
+STEPS = (0.12, 0.03, 0.25, 0.05, 0.01, 0.3, 0.3)
 # What is known beforehand of these, the contact law and the power: standard deviations.
 KNOWN = (9.0, 9.0, 9.0, 9.0, 0.01, 9.0, 9.0, 0.1, 0.03)
 
@@ -114,28 +118,30 @@ class Face:
             x, y = (grid.ravel() for grid in np.meshgrid(*(np.arange(-e / 2 + 0.5, e / 2, 1.0) for e in FIELD_MM)))
             inside = np.hypot(x, y) < reach
             self.x, self.y, self.areas = x[inside], y[inside], np.ones(inside.sum())
+            places = np.column_stack([self.x, self.y])
             smooth = [(self.x / reach) ** i * (self.y / reach) ** j for i in range(8) for j in range(8 - i)]
         else:
             self.radii = reach * (np.arange(50) + 0.5) / 50
             x, y = (np.linspace(-extent / 2, extent / 2, 801) for extent in FIELD_MM)
             radius, cell = np.hypot(*np.meshgrid(x, y)), (x[1] - x[0]) * (y[1] - y[0])
             self.areas = np.array([(abs(radius - ring) < reach / 100).sum() * cell for ring in self.radii])
+            places = self.radii[:, None]
             smooth = [(self.radii / reach) ** (2 * k) for k in range(8)]
-        # Orthonormal, with a mean square of 1 over the face.
-        self.smooth = np.linalg.qr(np.array(smooth).T)[0].T * np.sqrt(len(self.areas))
+        weights = np.sqrt(self.areas)
+        self.smooth = np.linalg.qr(np.array(smooth).T * weights[:, None])[0].T / weights
+        apart = ((places[:, None] - places[None]) ** 2).sum(axis=2)
+        self.alike = np.exp(-0.5 * apart / ALIKE_MM**2)
 
     def smoothed(self, of):
         """The polynomial next to what rows say of each place."""
-        return of @ self.smooth.T @ self.smooth / len(self.areas)
+        return of * self.areas @ self.smooth.T @ self.smooth
 
     def read(self, table):
-        """Pressure of each place, kPa, and the force, N."""
+        """Pressure of each place, kPa."""
         if self.is_solid:
             places = np.column_stack([table["x_mm"], table["y_mm"]])
-            found = griddata(places, table["pressure_kpa"], (self.x, self.y), method="linear")
-            return found, 1e-3 * (found * self.areas).sum()
-        r, pressure = table["r_mm"], table["pressure_kpa"]
-        return np.interp(self.radii, r, pressure), 1e-3 * np.trapezoid(2.0 * np.pi * r * pressure, r)
+            return griddata(places, table["pressure_kpa"], (self.x, self.y), method="linear")
+        return np.interp(self.radii, table["r_mm"], table["pressure_kpa"])
 
 
 class Presses:
@@ -175,9 +181,9 @@ class Presses:
             if done.returncode:
                 raise SystemExit(f"protocols.py: {' '.join(map(str, command))}\n{done.stderr}")
         table = np.genfromtxt(out / "contact.csv", delimiter=",", names=True)
-        face = self.face(setting)
-        read = [face.read(table[table["depth_mm"] == load]) for load in np.unique(table["depth_mm"])]
-        return tuple(map(np.array, zip(*read)))
+        face, steps = self.face(setting), json.loads((out / "result.json").read_text())["mechanics"]["steps"]
+        pressures = [face.read(table[table["depth_mm"] == load]) for load in np.unique(table["depth_mm"])]
+        return np.array(pressures), np.array([step["force_n"] for step in steps])
 
 
 def slopes(presses, setting, loads, steps, pool):
@@ -197,26 +203,30 @@ def slopes(presses, setting, loads, steps, pool):
     return share(middle[0]), np.array(light), np.array(force), face
 
 
-def bound(protocol, known_slopes, loads, smooth):
+def bound(protocol, known_slopes, loads, error, alike):
     """Cramer-Rao bound of each unknown, percent; of a place in mm times 100."""
     taken = [(known_slopes[setting], loads[setting].index(load)) for setting, load in protocol.frames]
-    brightest = max(np.exp(light[k]).max() for (light, *_), k in taken)
-    gain = 0.9 * WELL_E / brightest
+    gain = 0.9 * WELL_E / max(np.exp(light[k]).max() for (light, *_), k in taken)
     unknowns = taken[0][0][1].shape[0]
     known = [*KNOWN[:5], *(KNOWN[5:7] if unknowns == 9 else ()), *KNOWN[7:]]
     for name, deviation in protocol.known.items():
         known[NAMES.index(name)] = deviation
-    information = np.diag(np.array(known) ** -2.0)
     noise = READ_NOISE_E**2 + (WELL_E / LEVELS) ** 2 / 12.0
-    for (light, by, force, face), k in taken:
+    own, shared, rows = [], [], []
+    for (light, by, _, face), k in taken:
         electrons = gain * np.exp(light[k])
-        pixels = np.maximum(face.areas * PIXELS_PER_MM2, 1e-9) * FRAMES / len(protocol.frames)
-        variance = (1.0 / electrons + noise / electrons**2) / pixels
-        error = face.smooth * smooth / np.sqrt(len(face.smooth))
-        covariance = np.diag(variance) + error.T @ error
-        information += by[:, k] @ np.linalg.solve(covariance, by[:, k].T)
-        if protocol.has_forces:
-            information += np.outer(force[:, k], force[:, k]) / FORCE_ERROR**2
+        pixels = np.maximum(face.areas * PIXELS_PER_MM2, 1e-9) * FRAMES / len(taken)
+        own.append(np.diag((1.0 / electrons + noise / electrons**2) / pixels) + (1.0 - alike) * error**2 * face.alike)
+        # A root of what places have in common, by which loads of one face go together.
+        values, vectors = np.linalg.eigh(face.alike)
+        shared.append(np.sqrt(alike) * error * vectors * np.sqrt(np.maximum(values, 0.0)))
+        rows.append(by[:, k])
+    shared = np.concatenate(shared)
+    slopes = np.concatenate(rows, axis=1)
+    information = np.diag(np.array(known) ** -2.0)
+    information += slopes @ np.linalg.solve(block_diag(*own) + shared @ shared.T, slopes.T)
+    for (_, _, force, _), k in taken if protocol.has_forces else ():
+        information += np.outer(force[:, k], force[:, k]) / FORCE_ERROR**2
     return 100.0 * np.sqrt(np.diag(np.linalg.inv(information)))
 
 
@@ -224,12 +234,13 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--phantom", nargs="+", default=["8,5,120,5"])
     parser.add_argument("--steps", nargs="+", type=float, default=[1.0])
-    parser.add_argument("--smooth", nargs="+", type=float, default=[1e-3])
+    parser.add_argument("--errors", nargs="+", default=["1e-3", "1e-3:0.9", "1e-4"])
     parser.add_argument("--resolution", type=float, default=1.0)
     parser.add_argument("--keep", type=Path)
     parser.add_argument("--solid", action="store_true")
     parser.add_argument("--program", type=Path, default=ROOT / "target/release/tirtouch")
     asked = parser.parse_args()
+    errors = [[float(part) for part in f"{error}:0".split(":")[:2]] for error in asked.errors]
     protocols = SOLID if asked.solid else PROTOCOLS
     loads = {}
     for setting, load in (frame for protocol in protocols for frame in protocol.frames):
@@ -244,11 +255,11 @@ def main():
             for steps in asked.steps:
                 of = {setting: slopes(presses, setting, loads[setting], steps, pool) for setting in loads}
                 for protocol in protocols:
-                    bounds = [bound(protocol, of, loads, error) for error in asked.smooth]
+                    bounds = [bound(protocol, of, loads, *error) for error in errors]
                     found.setdefault(protocol.name, []).extend(bounds)
             size, depth, youngs, own = phantom
             print(f"\n{size:g} mm, {depth:g} mm deep, {youngs:g} in {own:g} kPa; bounds in % for steps of "
-                  f"{asked.steps} times each error of {asked.smooth}")
+                  f"{asked.steps} times each error of {asked.errors}")
             print("| frames at | size | depth | modulus |\n|---|---|---|---|")
             for name, bounds in found.items():
                 written = lambda value: f"{value:.0f}" if value > 99.0 else f"{value:.2g}"
