@@ -1,5 +1,6 @@
 //! Images that a sweep keeps: labels, masks, pressures, a card, and what is lost of them is made again.
 
+use super::press::scene as phantom;
 use super::sweep::{SWEEP, place, points, run, sweep};
 use super::*;
 use std::collections::BTreeMap;
@@ -94,14 +95,8 @@ fn a_data_set_has_images_labels_masks_and_a_card() {
     assert_eq!(code(&run(&place, "set", &["--force"])), 0);
 }
 
-/// The phantom scene in few pixels of the same field, on coarse elements, its depths and interface replaced.
-fn coarse(depths: &str) -> String {
-    include_str!("../../scenes/phantom-size-8mm.toml")
-        .replace("pixels = [348, 261]", "pixels = [32, 24]")
-        .replace("pixel_pitch_um = 18.6", "pixel_pitch_um = 202.3")
-        .replace("depths_mm = [1.0, 2.0, 4.0]", &format!("{depths}resolution = 0.25\nestimate_error = false"))
-        + "\n[render]\nmap_texel_mm = 0.5\nspp = 16\nphotons = 1000\n"
-}
+/// Paths and photons of an image whose noise does not matter.
+const FEW: &str = "spp = 16\nphotons = 1000\n";
 
 fn table(path: &Path) -> Vec<BTreeMap<String, String>> {
     let mut reader = csv::Reader::from_path(path).unwrap();
@@ -111,14 +106,15 @@ fn table(path: &Path) -> Vec<BTreeMap<String, String>> {
 #[test]
 fn masks_go_with_a_phantom_that_slides() {
     let place = Place::new();
-    let scene = coarse("")
+    let scene = phantom("estimate_error = false")
+        .replace("depths_mm = [0.5, 1.0]\nresolution = 0.5", "resolution = 0.25")
         .replace("sensor = \"deformable\"", "sensor = \"rigid\"")
         .replace("interface = { kind = \"tied\" }", "interface = { kind = \"frictionless\" }")
         .replace(
             "[touch.contact]",
             "[[press.step]]\ndepth_mm = 0.25\n[[press.step]]\nslide_mm = [3, -2]\n[touch.contact]",
         );
-    place.write("slide.toml", &scene);
+    place.write("slide.toml", &(scene + FEW));
     let sweep = "[sweep]\nscene = \"slide.toml\"\ndesign = { kind = \"grid\" }\n\
                  images = { loads = \"all\", masks = true, test_share = 0 }\n\
                  [[vary]]\nkey = \"render.seed\"\nvalues = [1]\n[[measure]]\nkind = \"force\"\n";
@@ -143,7 +139,7 @@ fn masks_go_with_a_phantom_that_slides() {
 #[test]
 fn a_signal_of_full_pixels_is_none() {
     let place = Place::new();
-    place.write("phantom.toml", &coarse("depths_mm = [0.5]\n"));
+    place.write("phantom.toml", &(phantom("estimate_error = false") + FEW));
     let sweep = "[sweep]\nscene = \"phantom.toml\"\ndesign = { kind = \"grid\" }\n\
                  [[vary]]\nname = \"ms\"\nkey = \"camera.sensor.exposure_ms\"\nvalues = [0.001, 10]\n\
                  [[measure]]\nkind = \"snr\"\nradius_mm = 3\n";

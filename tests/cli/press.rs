@@ -4,7 +4,7 @@ use super::frames::names;
 use super::*;
 
 /// A phantom of the paper on a coarse mesh, with a small camera and texels that suit it.
-fn scene(more: &str) -> String {
+pub fn scene(more: &str) -> String {
     include_str!("../../scenes/phantom-size-8mm.toml")
         .replace("pixels = [348, 261]", "pixels = [32, 24]")
         .replace("pixel_pitch_um = 18.6 ", "pixel_pitch_um = 202.0 ")
