@@ -65,7 +65,7 @@ EXPOSURE_MS = 0.0778
 PRIOR = {
     "size": ("log", 3.8, 14.5),
     "depth": ("flat", 1.9, 11.3),
-    "youngs": ("log", 18.0, 165.0),
+    "youngs": ("log", 12.0, 180.0),
     "phantom": ("log", 2.8, 8.6),
     "contact": ("log", 105.0, 137.0),
     "scale": ("flat", 0.98, 1.02),
@@ -78,7 +78,12 @@ COMPONENTS = 8
 
 def coarse_sensor() -> tirtouch.Scene:
     """The calibration's sensor, exposed for its frames, with a coarse mesh and a coarse map of the light."""
-    values = {"camera.sensor.exposure_ms": EXPOSURE_MS, "press.resolution": 0.7, "render.map_texel_mm": 0.5}
+    values: dict[str, Any] = {
+        "camera.sensor.exposure_ms": EXPOSURE_MS,
+        "press.depths_mm": list(DEPTHS_MM),
+        "press.resolution": 0.7,
+        "render.map_texel_mm": 0.5,
+    }
     return tirtouch.Scene.open(SENSOR).set(values)
 
 

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use tirtouch::calibrate::{CalibrationFile, FrameModel};
-use tirtouch::progress::{Observer, Stage};
+use tirtouch::progress::Observer;
 use tirtouch::sweep::{Options, Parts, Status, Sweep, SweepError, run};
 
 /// Name of the file that is learnt, as the command line has it.
@@ -45,11 +45,9 @@ pub fn calibrate(
             return Err(Trouble::input(message));
         }
         let trainings = folders.read()?;
-        if !observe(Stage { what: "learning", done: 0.0 }) {
-            return Err(Trouble::of_sweep(SweepError::Stopped, &folder));
-        }
+        let stopped = || Trouble::of_sweep(SweepError::Stopped, &folder);
         let file = folder.join(FILE);
-        trainings.learn()?.write(&file)?;
+        trainings.learn(observe)?.ok_or_else(stopped)?.write(&file)?;
         // What is written has less digits than what was learnt.
         Ok(FrameModel::load(&file)?.into())
     })

@@ -82,15 +82,16 @@ impl<'a> Limits<'a> {
 
     /// Bounds where frames told this much.
     fn where_told(&self, place: &[f64], inclusion: &Inclusion, told: &Told, whole: bool) -> Result<Bounds, String> {
-        let mut covariance = told.covariance.clone();
         let followed: Vec<&Variances> = told.places.iter().filter_map(|k| self.variances.get(*k)).collect();
-        for (k, variances) in followed.iter().enumerate().filter(|_| whole) {
-            covariance[(k, k)] += variances.at(place);
+        let scored = &self.model.learnt.scored;
+        let mut covariance = told.covariance.clone();
+        if whole {
+            let variances: Vec<f64> = followed.iter().map(|variances| scored.variance(variances, place)).collect();
+            covariance += scored.errors(&told.places, &variances);
         }
-        let slopes: Vec<Slopes> = followed.iter().map(|variances| variances.slopes(place)).collect();
+        let slopes: Vec<Slopes> = followed.iter().map(|variances| scored.slopes(variances, place)).collect();
         let roles = &self.model.roles;
         let integrated: Vec<bool> = roles.iter().map(|role| *role == Role::Other).collect();
-        let scored = &self.model.learnt.scored;
         let all = scored.bound(&slopes, &covariance, &integrated).map_err(|error| error.to_string())?;
         let of = |role: Role, value: f64| {
             let k = roles.iter().position(|one| *one == role);

@@ -16,7 +16,7 @@ const SHARE: f64 = 0.95;
 /// An interval wider than this share of the prior's tells nothing.
 const WIDEST: f64 = 0.8;
 /// Share of the range at each end, and of the draws in it beyond which the truth may lie outside.
-const EDGE: f64 = 0.05;
+pub(super) const EDGE: f64 = 0.05;
 const AT_EDGE: f64 = 0.2;
 /// Standard deviations that a nuisance may be off.
 const MOST_OFF: f64 = 5.0;
@@ -153,8 +153,19 @@ impl FrameModel {
     /// # Errors
     /// Says why the frames are not those of a phantom that the calibration knows.
     fn posterior(&self, frames: &Frames) -> Result<(Told, Posterior, Vec<f64>), String> {
-        let seen = self.seen(frames)?;
-        let told = self.learnt.told(&seen);
+        self.posterior_of(&self.seen(frames)?, |told| self.with_forces(told, frames))
+    }
+
+    /// The same of frames that were read, and of what else was measured, which `beside` adds.
+    ///
+    /// # Errors
+    /// As [`Self::posterior`].
+    pub(super) fn posterior_of(
+        &self,
+        seen: &Seen,
+        beside: impl Fn(Told) -> Result<Told, String>,
+    ) -> Result<(Told, Posterior, Vec<f64>), String> {
+        let told = self.learnt.told(seen);
         let told = told.ok_or("too few parts of the frames can be read: they are saturated or dark")?;
         if told.noise_factor > NOISIEST {
             return Err(format!(
@@ -163,10 +174,10 @@ impl FrameModel {
                 told.noise_factor.sqrt()
             ));
         }
-        let told = self.with_forces(told, frames)?;
+        let told = beside(told)?;
         let posterior = self.learnt.scored.posterior(&told, SEED);
         let posterior = posterior.map_err(|_| "the calibration cannot be inverted")?;
-        let nuisances = self.learnt.off(&seen, &posterior.scores).unwrap_or_default();
+        let nuisances = self.learnt.off(seen, &posterior.scores).unwrap_or_default();
         let off = self.learnt.nuisances.iter().zip(&nuisances).find(|(_, off)| off.abs() > MOST_OFF);
         if let Some((nuisance, off)) = off {
             return Err(format!(
@@ -264,7 +275,7 @@ impl FrameModel {
     }
 
     /// An unknown with its interval; undefined where the frames do not tell it.
-    fn value(&self, posterior: &Posterior, k: usize) -> Value {
+    pub(super) fn value(&self, posterior: &Posterior, k: usize) -> Value {
         let Some(unknown) = self.learnt.scored.unknowns.get(k) else { return Value::undefined("is not an unknown") };
         let tail = 0.5 * (1.0 - SHARE);
         let [low, middle, high] = [tail, 0.5, 1.0 - tail].map(|share| posterior.quantile(k, share));
@@ -276,6 +287,11 @@ impl FrameModel {
         }
         let coordinate = |value: f64| unknown.prior.coordinate(value);
         let [first, last] = unknown.prior.bounds();
+        let widened = self.left_out.as_ref().map_or(1.0, |left_out| left_out.widened(k));
+        let [low, high] = [low, high].map(|end| {
+            let end = coordinate(middle) + widened * (coordinate(end) - coordinate(middle));
+            unknown.prior.value(end.clamp(first, last))
+        });
         let range = format!("{} to {}", short(unknown.prior.value(first)), short(unknown.prior.value(last)));
         let within = |from: f64, to: f64| {
             let there = |draw: &&Vec<f64>| draw.get(k).is_some_and(|v| (from..=to).contains(&coordinate(*v)));
@@ -316,6 +332,7 @@ fn chance(square: f64, freedom: f64) -> f64 {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::calibrate::{Held, LeftOut};
 
     /// The same draws tell a size where they are worth enough, and say so where they are not.
     #[test]
@@ -333,6 +350,31 @@ mod tests {
         assert!(matches!(told(250.0), Value::Known { .. }), "{:?}", told(250.0));
         let Value::Undefined { reason } = told(150.0) else { panic!("150 draws") };
         assert_eq!(reason, "only 150 draws tell it: too few for an interval");
+    }
+
+    /// Intervals are as much wider as phantoms that were left out ask for, in the unknown's coordinate.
+    #[test]
+    fn intervals_are_widened_about_their_best_value() {
+        let mut model = crate::calibrate::ready().unwrap().clone();
+        let size = model.unknown(0).unwrap();
+        let priors: Vec<_> = model.learnt.scored.unknowns.iter().map(|one| one.prior).collect();
+        let draw = |k: u32| {
+            let at = |bounds: [f64; 2]| bounds[0] + (0.5 + 2e-4 * f64::from(k)) * (bounds[1] - bounds[0]);
+            priors.iter().map(|prior| prior.value(at(prior.bounds()))).collect::<Vec<f64>>()
+        };
+        let draws = (0..1000).map(draw).collect();
+        let posterior = Posterior { draws, misfit: 1.0, scores: vec![], worth: 1000.0 };
+        let mut ends = |widened: Option<f64>| {
+            let one = Held { name: String::new(), known: 100, held: 90, widened };
+            model.left_out = Some(LeftOut { phantoms: 100, refused: 0, unknowns: vec![one; size + 1] });
+            let Value::Known { value, low, high } = model.value(&posterior, size) else { panic!("{widened:?}") };
+            [low, value, high].map(|value| priors[size].coordinate(value))
+        };
+        let [narrow, wide] = [ends(None), ends(Some(1.5))];
+        assert_eq!(narrow[1], wide[1]);
+        for end in [0, 2] {
+            assert!(((wide[end] - wide[1]) / (narrow[end] - narrow[1]) - 1.5).abs() < 1e-9, "{narrow:?} {wide:?}");
+        }
     }
 
     /// y = -2 x, z = x + an independent number of the same size, and one that does not vary.

@@ -1,6 +1,7 @@
 //! The file of a calibration: the sweeps that it is learnt from, and the way from it to what is learnt.
 
 use super::{CalibrateError, FrameModel, Odd, Training};
+use crate::progress::Observer;
 use crate::scene::{Invalid, SceneError, parse_file, read_text};
 use crate::sweep::{self, SweepFolderError};
 use schemars::JsonSchema;
@@ -77,12 +78,12 @@ impl Folders {
 }
 
 impl Trainings {
-    /// Learns from them.
+    /// Learns from them; none where `observe` says no.
     ///
     /// # Errors
     /// As [`FrameModel::learn`].
-    pub fn learn(&self) -> Result<FrameModel, CalibrateError> {
-        FrameModel::learn(&self.design, self.leds.as_ref(), self.empty.as_ref())
+    pub fn learn(&self, observe: &mut Observer) -> Result<Option<FrameModel>, CalibrateError> {
+        FrameModel::learn(&self.design, self.leds.as_ref(), self.empty.as_ref(), observe)
     }
 
     /// Phantoms that do not go with the others of what it was learnt from.

@@ -7,7 +7,7 @@ use crate::estimate::GreyImage;
 use crate::scene::Camera;
 
 /// Depths this close, as a share, are of one load.
-pub(crate) const SAME_DEPTH: f64 = 2e-3;
+const SAME_DEPTH: f64 = 2e-3;
 
 /// Frames of one press, taken by one camera.
 #[derive(Debug, Clone)]
@@ -31,6 +31,11 @@ pub struct PressFrame<'a> {
     pub image: &'a GreyImage,
     /// Force of the press, N, where it was measured.
     pub force_n: Option<f64>,
+}
+
+/// Whether a depth is that of a load.
+pub(crate) fn same_depth(depth_mm: f64, of_load: f64) -> bool {
+    (depth_mm - of_load).abs() <= SAME_DEPTH * of_load
 }
 
 /// Relative standard deviation of a force, where nothing is said of it.
@@ -88,7 +93,7 @@ pub struct Presses<'a> {
 impl PressFrame<'_> {
     /// Whether it is of the press to a depth, mm.
     pub(super) fn is_of(&self, depth_mm: f64) -> bool {
-        (self.depth_mm - depth_mm).abs() <= SAME_DEPTH * depth_mm
+        same_depth(self.depth_mm, depth_mm)
     }
 }
 

@@ -1,8 +1,9 @@
 //! A calibration: what was learnt, and of what.
 
-use super::{Blocks, CalibrateError, Training};
-use crate::infer::{Learnt, Nuisance, Scored, Unknown};
+use super::{Blocks, CalibrateError, LeftOut, Training};
+use crate::infer::{Followed, Learnt, Nuisance, Scored, Unknown};
 use crate::output::write_whole;
+use crate::progress::{Observer, Stage};
 use crate::scene::{Camera, DepthTo, Input, LoadedScene, SceneError, parse};
 use crate::vary::Vary;
 use serde::{Deserialize, Serialize};
@@ -67,14 +68,41 @@ pub struct FrameModel {
     pub(super) learnt: Learnt,
     /// The same of phantoms without an inclusion.
     pub(super) empty: Option<Scored>,
+    /// What came of phantoms that were left out; none where they were too few.
+    pub left_out: Option<LeftOut>,
 }
 
 impl FrameModel {
     /// Learns from phantoms; `leds` are frames of one LED at a time, `empty` those of phantoms without an inclusion.
+    /// None where `observe` says no.
     ///
     /// # Errors
     /// Too few points, sweeps that do not fit together.
-    pub fn learn(design: &Training, leds: Option<&Training>, empty: Option<&Training>) -> Result<Self, CalibrateError> {
+    pub fn learn(
+        design: &Training,
+        leds: Option<&Training>,
+        empty: Option<&Training>,
+        observe: &mut Observer,
+    ) -> Result<Option<Self>, CalibrateError> {
+        let mut stopped = false;
+        let mut asked = |stage: Stage<'_>| {
+            stopped |= !observe(stage);
+            !stopped
+        };
+        if !asked(Stage { done: 0.0, what: "learning" }) {
+            return Ok(None);
+        }
+        let mut model = Self::once(design, leds, empty)?;
+        model.left_out = LeftOut::of(design, leds, empty, &mut asked)?;
+        Ok((!stopped).then_some(model))
+    }
+
+    /// Learns from phantoms, whatever becomes of those that are left out.
+    pub(super) fn once(
+        design: &Training,
+        leds: Option<&Training>,
+        empty: Option<&Training>,
+    ) -> Result<Self, CalibrateError> {
         let total = design.blocks.total();
         let places = (0..design.depths_mm.len()).flat_map(|load| (0..total).map(move |block| [load, block]));
         let of = |light: &[f64], place: [usize; 2]| at(light, place, total);
@@ -103,7 +131,10 @@ impl FrameModel {
         let logs = |training: &Training| vectors(training, &elements);
         let weights = weights(&elements, &design.errors, total);
         let alike = elements.iter().map(|[load, block]| load * total + design.blocks.first_image(*block)).collect();
-        let mut learnt = Learnt::from(design.unknowns.clone(), &design.points, &logs(design), weights, alike)?;
+        let keys: Vec<Vec<String>> = design.unknowns.iter().map(|unknown| keys(design, unknown)).collect();
+        let roles = roles(design, &keys);
+        let unknowns = followed(&design.unknowns, &keys, &roles);
+        let mut learnt = Learnt::from(unknowns, &design.points, &logs(design), weights, alike)?;
         if learnt.directions.is_empty() {
             return Err(unsuited(design, "has frames that do not follow what was drawn"));
         }
@@ -119,34 +150,23 @@ impl FrameModel {
             let also = without.zip(empty).map(|(without, empty)| without.and(&empty.points, &empty.forces));
             without = also.transpose()?;
         }
-        let inclusion = design.sweep.base.scene.phantom.as_ref().and_then(|phantom| phantom.inclusion.first());
-        let is_of_top = inclusion.is_some_and(|inclusion| inclusion.depth_to == DepthTo::Top);
-        let key = |unknown: &Unknown| {
-            let named = |vary: &&Vary| match (&vary.name, &vary.key) {
-                (Some(name), _) => *name == unknown.name,
-                (None, keys) => keys.as_ref().is_some_and(|keys| keys.all() == [unknown.name.as_str()]),
-            };
-            let keys = design.sweep.file.vary.iter().find(named).and_then(|vary| vary.key.as_ref());
-            keys.map(|keys| keys.all().to_vec()).unwrap_or_default()
-        };
-        let role = |keys: &Vec<String>| match keys.first().map(String::as_str) {
-            Some("phantom.inclusion[0].shape.diameter_mm") => Role::Size,
-            Some("phantom.inclusion[0].depth_mm") if is_of_top => Role::Depth,
-            Some("phantom.inclusion[0].material.youngs_kpa") => Role::Youngs,
-            _ => Role::Other,
-        };
-        let own: Vec<Vec<String>> = learnt.scored.unknowns.iter().map(key).collect();
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").into(),
             scene: design.sweep.base.text.clone(),
             depths_mm: design.depths_mm.clone(),
             blocks: design.blocks.count,
             elements,
-            roles: own.iter().map(role).collect(),
-            keys: own,
+            roles,
+            keys,
             learnt,
             empty: without,
+            left_out: None,
         })
+    }
+
+    /// Logarithms of the light of each element, of each point of a training.
+    pub(super) fn vectors(&self, training: &Training) -> Vec<Vec<f64>> {
+        vectors(training, &self.elements)
     }
 
     /// Phantoms that it was learnt from and that do not go with the others: where they are left out a score is farther
@@ -155,7 +175,7 @@ impl FrameModel {
     /// # Errors
     /// A calibration that was learnt from others.
     pub fn odd(&self, design: &Training) -> Result<Vec<Odd>, CalibrateError> {
-        let off = self.learnt.left_out(&vectors(design, &self.elements))?;
+        let off = self.learnt.left_out(&self.vectors(design))?;
         let all = design.rows.iter().zip(off).map(|(&row, off)| Odd { row, off });
         Ok(all.filter(|one| one.off > ODD).collect())
     }
@@ -275,6 +295,44 @@ impl FrameModel {
         let process = process.ok_or("the calibration knows no forces: learn it anew")?;
         Ok((place, error.powi(2) + process.noise().powi(2)))
     }
+}
+
+/// Keys of an unknown.
+fn keys(design: &Training, unknown: &Unknown) -> Vec<String> {
+    let named = |vary: &&Vary| match (&vary.name, &vary.key) {
+        (Some(name), _) => *name == unknown.name,
+        (None, keys) => keys.as_ref().is_some_and(|keys| keys.all() == [unknown.name.as_str()]),
+    };
+    let keys = design.sweep.file.vary.iter().find(named).and_then(|vary| vary.key.as_ref());
+    keys.map(|keys| keys.all().to_vec()).unwrap_or_default()
+}
+
+/// What unknowns of these keys are of an inclusion.
+fn roles(design: &Training, keys: &[Vec<String>]) -> Vec<Role> {
+    let inclusion = design.sweep.base.scene.phantom.as_ref().and_then(|phantom| phantom.inclusion.first());
+    let is_of_top = inclusion.is_some_and(|inclusion| inclusion.depth_to == DepthTo::Top);
+    let role = |keys: &Vec<String>| match keys.first().map(String::as_str) {
+        Some("phantom.inclusion[0].shape.diameter_mm") => Role::Size,
+        Some("phantom.inclusion[0].depth_mm") if is_of_top => Role::Depth,
+        Some("phantom.inclusion[0].material.youngs_kpa") => Role::Youngs,
+        _ => Role::Other,
+    };
+    keys.iter().map(role).collect()
+}
+
+/// Unknowns by what frames follow most evenly (docs/decisions/inference.md).
+fn followed(unknowns: &[Unknown], keys: &[Vec<String>], roles: &[Role]) -> Vec<Unknown> {
+    let matrix = keys.iter().position(|keys| *keys == ["phantom.material.youngs_kpa"]);
+    let by = |(unknown, role): (&Unknown, &Role)| {
+        let followed = match (role, matrix) {
+            (Role::Size, _) => Followed::Value,
+            (Role::Depth, _) => Followed::Logarithm,
+            (Role::Youngs, Some(matrix)) => Followed::Contrast { matrix },
+            _ => Followed::Coordinate,
+        };
+        Unknown { followed, ..unknown.clone() }
+    };
+    unknowns.iter().zip(roles).map(by).collect()
 }
 
 /// Light of a block at a load, of frames of so many blocks a load.

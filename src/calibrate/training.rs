@@ -2,7 +2,7 @@
 
 use super::{Blocks, CalibrateError};
 use crate::image_io::read_radiance;
-use crate::infer::{Prior, Unknown};
+use crate::infer::{Followed, Prior, Unknown};
 use crate::output::Records;
 use crate::sweep::{Format, Images, Kept, Loads, Record, Sweep};
 use crate::vary::Vary;
@@ -50,6 +50,26 @@ pub(crate) fn sweep_of(folder: &Path) -> Result<(Sweep, Records), CalibrateError
 }
 
 impl Training {
+    /// The same of some of its points alone, by their places.
+    #[must_use]
+    pub fn only(&self, holds: impl Fn(usize) -> bool) -> Self {
+        fn those<T: Clone>(all: &[T], holds: impl Fn(usize) -> bool) -> Vec<T> {
+            all.iter().enumerate().filter(|(k, _)| holds(*k)).map(|(_, one)| one.clone()).collect()
+        }
+        Self {
+            points: those(&self.points, &holds),
+            rows: those(&self.rows, &holds),
+            light: those(&self.light, &holds),
+            forces: those(&self.forces, &holds),
+            folder: self.folder.clone(),
+            sweep: self.sweep.clone(),
+            unknowns: self.unknowns.clone(),
+            depths_mm: self.depths_mm.clone(),
+            errors: self.errors.clone(),
+            ..*self
+        }
+    }
+
     /// Reads the folder of a sweep that kept the radiance of all loads.
     ///
     /// # Errors
@@ -147,7 +167,7 @@ fn unknown(vary: &Vary) -> Option<Unknown> {
         (_, Some([low, high])) => Prior::LogUniform { low, high },
         (None, None) => return None,
     };
-    Some(Unknown { name, prior })
+    Some(Unknown { name, prior, followed: Followed::Coordinate })
 }
 
 #[cfg(test)]

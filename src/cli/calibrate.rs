@@ -3,9 +3,10 @@
 use super::calibrate_sensor;
 use super::command::described;
 use super::flags::positive;
+use super::job::watching;
 use super::sweep::How;
 use super::{Failure, Outcome, cancel};
-use crate::calibrate::{CalibrationFile, FrameModel, Protocol, odd_text};
+use crate::calibrate::{CalibrationFile, FrameModel, Protocol, left_out_text, odd_text};
 use crate::pages::bound;
 use crate::scene::is_scene;
 use clap::Args;
@@ -52,7 +53,7 @@ impl Calibrate {
         let out = self.how.folder_of_parts(&self.calibration.file_stem().unwrap_or_default().to_string_lossy())?;
         let folders = self.how.parts(&out, |work| parts.folders(work))?;
         if !folders.is_whole {
-            let told = json!({"phantoms": null, "scores": null, "odd": null, "file": null});
+            let told = json!({"phantoms": null, "scores": null, "odd": null, "left_out": null, "file": null});
             let next = "the same command without --engine and --shard goes on, and learns";
             let said = format!("{}: not all points are there yet; {next}", out.display());
             return self.how.talk.tell(described(told, Some(&out)), said);
@@ -60,11 +61,16 @@ impl Calibrate {
         let trainings = folders.read()?;
         let phantoms = trainings.design.points.len();
         self.how.talk.note(&format!("learning from {phantoms} phantoms"));
-        let (model, file) = (trainings.learn()?, out.join("calibration.json"));
+        let watch = watching(self.how.talk.quiet);
+        let model = trainings.learn(&mut |stage| watch(stage))?.ok_or_else(Failure::cancelled)?;
+        let file = out.join("calibration.json");
         model.write(&file)?;
-        let odd = trainings.odd(&model)?;
-        let told = json!({"phantoms": phantoms, "scores": model.scores(), "odd": odd, "file": file});
-        let said = format!("learnt from {phantoms} phantoms, by {} scores{}", model.scores(), odd_text(&odd));
+        let (odd, left_out) = (trainings.odd(&model)?, &model.left_out);
+        let told = json!({
+            "phantoms": phantoms, "scores": model.scores(), "odd": odd, "left_out": left_out, "file": file
+        });
+        let held = left_out_text(left_out.as_ref());
+        let said = format!("learnt from {phantoms} phantoms, by {} scores{}{held}", model.scores(), odd_text(&odd));
         self.how.talk.tell(described(told, Some(&out)), format!("{said}\n{}", file.display()))
     }
 

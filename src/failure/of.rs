@@ -249,6 +249,7 @@ impl From<StudyError> for Failure {
         match error {
             StudyError::Lacking { file } => Self::input(words).in_file(&file),
             StudyError::Damaged => Self::failed(words),
+            StudyError::Depth { .. } => Self::input(words),
             StudyError::Calibration(error) => error.into(),
             StudyError::Sweep(error) => error.into(),
             StudyError::Exposure(error) => error.into(),

@@ -13,6 +13,7 @@
 //! interval.
 
 use super::learnt::Scored;
+use super::unknown;
 use crate::camera::noise::PixelRandom;
 use crate::emulate::{FitError, GaussianProcess, Slopes, Variances};
 use crate::estimate::Value;
@@ -33,6 +34,21 @@ impl Scored {
     /// A covariance that cannot be factorised.
     pub fn variances_of_scores(&self) -> Result<Vec<Variances<'_>>, FitError> {
         self.processes.iter().map(GaussianProcess::variances).collect()
+    }
+
+    /// Variance of a score where it is predicted at a place.
+    pub fn variance(&self, of: &Variances, place: &[f64]) -> f64 {
+        of.at(&unknown::followed(&self.unknowns, place))
+    }
+
+    /// Slopes of a score along the coordinates at a place.
+    pub fn slopes(&self, of: &Variances, place: &[f64]) -> Slopes {
+        let slopes = of.slopes(&unknown::followed(&self.unknowns, place));
+        let along = unknown::slopes(&self.unknowns, place);
+        let d = self.unknowns.len();
+        let value = |j: usize| (0..d).map(|i| along[(i, j)] * slopes.values[i]).sum();
+        let covariance = along.transpose() * &slopes.covariance * &along;
+        Slopes { values: (0..d).map(value).collect(), covariance }
     }
 
     /// Least standard deviation of each unknown's coordinate where scores of these slopes have this covariance, with

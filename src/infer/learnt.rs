@@ -6,8 +6,9 @@
 //! light may be as noisy, less or more, by one factor. Images may be their own mirror images, noise and all, where
 //! others are not; scores follow what mirror images have in common, and so the factor is told by that alone.
 
-use super::unknown::Unknown;
+use super::unknown::{Unknown, followed};
 use crate::emulate::{Components, FitError, GaussianProcess, Predicted};
+use faer::Mat;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize, Serializer};
 use std::collections::HashMap;
@@ -29,6 +30,9 @@ pub struct Scored {
     pub processes: Vec<GaussianProcess>,
     /// Mean variance of each when it is predicted.
     pub variances: Vec<f64>,
+    /// Means of products of two numbers' residuals where a point is left out, each in units of the standard deviation
+    /// that its process says, noise included: 1 for each by itself, if processes know how well they know.
+    pub left_out: Vec<Vec<f64>>,
 }
 
 /// How frames follow unknowns.
@@ -45,6 +49,9 @@ pub struct Learnt {
     /// Directions of the weighted vectors that follow the unknowns.
     #[serde(serialize_with = "short_each")]
     pub directions: Vec<Vec<f64>>,
+    /// Shares of the scores of what they were learnt from that are each one's own noise: directions lean to it, and
+    /// other frames have nothing of it.
+    pub own: Vec<f64>,
     /// Directions of the noise of light, times its standard deviation along each.
     #[serde(serialize_with = "short_each")]
     pub noise: Vec<Vec<f64>>,
@@ -68,6 +75,26 @@ pub struct Nuisance {
     pub change: Vec<f64>,
 }
 
+/// A direction that may follow the unknowns.
+struct Tried {
+    direction: Vec<f64>,
+    own: f64,
+    /// Scores along it, own noise and all.
+    scores: Vec<f64>,
+    process: GaussianProcess,
+    left_out: Vec<Predicted>,
+}
+
+impl Tried {
+    /// Whether its scores are predicted where they are left out.
+    fn follows(&self) -> bool {
+        let mean = self.scores.iter().sum::<f64>() / self.scores.len() as f64;
+        let spread: f64 = self.scores.iter().map(|score| ((1.0 - self.own) * (score - mean)).powi(2)).sum();
+        let missed: f64 = self.left_out.iter().map(|left| left.value.powi(2)).sum();
+        missed <= LEAST_TOLD * spread
+    }
+}
+
 impl Learnt {
     /// Learns from vectors at points, each point a coordinate for every unknown; `alike` as [`Self::alike`].
     ///
@@ -81,24 +108,32 @@ impl Learnt {
         alike: Vec<usize>,
     ) -> Result<Self, FitError> {
         let n = points.len();
+        let points: Vec<Vec<f64>> = points.iter().map(|point| followed(&unknowns, point)).collect();
         let weighted: Vec<Vec<f64>> =
             vectors.iter().map(|vector| vector.iter().zip(&weights).map(|(v, w)| v * w).collect()).collect();
-        let Components { mean, directions, .. } = Components::of(&weighted, MOST_TRIED.min(n / POINTS_A_COMPONENT));
-        let tried = directions.into_par_iter().map(|direction| {
+        let Components { mean, directions, variances } =
+            Components::of(&weighted, MOST_TRIED.min(n / POINTS_A_COMPONENT));
+        // What lies beyond the components, of a point: the power of its noise.
+        let square = |vector: &Vec<f64>| vector.iter().zip(&mean).map(|(v, mean)| (v - mean).powi(2)).sum::<f64>();
+        let power = weighted.iter().map(square).sum::<f64>() / (n as f64 - 1.0) - variances.iter().sum::<f64>();
+        let tried = directions.into_par_iter().zip(variances).map(|(direction, variance)| {
             let score = |vector: &Vec<f64>| -> f64 {
                 vector.iter().zip(&mean).zip(&direction).map(|((v, mean), d)| (v - mean) * d).sum()
             };
             let scores: Vec<f64> = weighted.iter().map(score).collect();
-            let process = GaussianProcess::fit(points, &scores)?;
-            let left_out = process.left_out(&scores)?;
-            Ok((direction, scores, process, left_out))
+            let own = (power / ((n as f64 - 1.0) * variance)).min(1.0);
+            let others: Vec<f64> = scores.iter().map(|score| (1.0 - own) * score).collect();
+            let process = GaussianProcess::fit(&points, &others)?;
+            let left_out = process.left_out(&others)?;
+            Ok(Tried { direction, own, scores, process, left_out })
         });
         let tried = tried.collect::<Result<Vec<_>, FitError>>()?;
         let mut learnt = Self {
-            scored: Scored { unknowns, processes: Vec::new(), variances: Vec::new() },
+            scored: Scored { unknowns, processes: Vec::new(), variances: Vec::new(), left_out: Vec::new() },
             weights,
             mean,
             directions: Vec::new(),
+            own: Vec::new(),
             noise: Vec::new(),
             rest: 0.0,
             alike,
@@ -107,22 +142,21 @@ impl Learnt {
         };
         let mut residuals: Vec<Vec<f64>> =
             weighted.iter().map(|vector| vector.iter().zip(&learnt.mean).map(|(v, mean)| v - mean).collect()).collect();
-        for (direction, scores, process, left_out) in tried {
-            let mean = scores.iter().sum::<f64>() / n as f64;
-            let spread: f64 = scores.iter().map(|s| (s - mean).powi(2)).sum();
-            let missed: f64 = left_out.iter().map(|left| left.value.powi(2)).sum();
-            if missed > LEAST_TOLD * spread {
-                continue;
-            }
+        let mut left_out = Vec::new();
+        for tried in tried.into_iter().filter(Tried::follows) {
             // Of a score remains its noise: the residual, left out, on the scale of the noise.
-            for ((residual, score), left) in residuals.iter_mut().zip(&scores).zip(&left_out) {
-                let change = process.noise() * left.value / left.variance.sqrt() - score;
-                residual.iter_mut().zip(&direction).for_each(|(r, d)| *r += change * d);
+            let units = in_units(&tried.left_out);
+            let scale = tried.process.noise() / mean_product(&units, &units).sqrt().max(f64::MIN_POSITIVE);
+            for ((residual, score), unit) in residuals.iter_mut().zip(&tried.scores).zip(units) {
+                let change = scale * unit - score;
+                residual.iter_mut().zip(&tried.direction).for_each(|(r, d)| *r += change * d);
             }
-            learnt.scored.variances.push(of_prediction(&process, &left_out));
-            learnt.directions.push(direction);
-            learnt.scored.processes.push(process);
+            learnt.directions.push(tried.direction);
+            learnt.own.push(tried.own);
+            learnt.scored.processes.push(tried.process);
+            left_out.push(tried.left_out);
         }
+        learnt.scored.add(&left_out);
         let noise = Components::of(&residuals, NOISE_COMPONENTS.min(n / 2));
         let length = learnt.mean.len();
         learnt.noise = noise
@@ -155,14 +189,17 @@ impl Learnt {
         points: &[Vec<f64>],
         vectors: &[Vec<f64>],
     ) -> Result<Scored, FitError> {
+        let points: Vec<Vec<f64>> = points.iter().map(|point| followed(&unknowns, point)).collect();
         let processes = self.directions.par_iter().map(|direction| {
             let scores: Vec<f64> = vectors.iter().map(|vector| self.score(vector, direction)).collect();
-            let process = GaussianProcess::fit(points, &scores)?;
+            let process = GaussianProcess::fit(&points, &scores)?;
             let left_out = process.left_out(&scores)?;
-            Ok((of_prediction(&process, &left_out), process))
+            Ok((process, left_out))
         });
-        let (variances, processes) = processes.collect::<Result<Vec<_>, FitError>>()?.into_iter().unzip();
-        Ok(Scored { unknowns, processes, variances })
+        let (processes, left_out): (_, Vec<_>) = processes.collect::<Result<Vec<_>, FitError>>()?.into_iter().unzip();
+        let mut scored = Scored { unknowns, processes, variances: Vec::new(), left_out: Vec::new() };
+        scored.add(&left_out);
+        Ok(scored)
     }
 
     /// By how many standard deviations each point's worst score is off where it is left out; vectors at the points that
@@ -171,10 +208,10 @@ impl Learnt {
     /// # Errors
     /// As [`Self::from`].
     pub fn left_out(&self, vectors: &[Vec<f64>]) -> Result<Vec<f64>, FitError> {
-        let off = self.directions.par_iter().zip(&self.scored.processes).map(|(direction, process)| {
-            let scores: Vec<f64> = vectors.iter().map(|vector| self.score(vector, direction)).collect();
-            let left_out = process.left_out(&scores)?;
-            Ok(left_out.iter().map(|left| left.value.abs() / left.variance.sqrt()).collect())
+        let each = self.directions.par_iter().zip(&self.own).zip(&self.scored.processes);
+        let off = each.map(|((direction, own), process)| {
+            let scores: Vec<f64> = vectors.iter().map(|vector| (1.0 - own) * self.score(vector, direction)).collect();
+            Ok(in_units(&process.left_out(&scores)?).into_iter().map(f64::abs).collect())
         });
         let off = off.collect::<Result<Vec<Vec<f64>>, FitError>>()?;
         let worst = |point: usize| off.iter().filter_map(|score| score.get(point).copied()).fold(0.0, f64::max);
@@ -208,6 +245,7 @@ impl Learnt {
             && self.rest_alike >= 0.0
             && self.alike.len() == length
             && !self.directions.is_empty()
+            && self.own.len() == self.directions.len()
     }
 }
 
@@ -217,28 +255,73 @@ impl Scored {
     /// # Errors
     /// As [`Learnt::from`].
     pub fn and(mut self, points: &[Vec<f64>], numbers: &[Vec<f64>]) -> Result<Self, FitError> {
+        let points: Vec<Vec<f64>> = points.iter().map(|point| followed(&self.unknowns, point)).collect();
+        let mut left_out = Vec::new();
         for k in 0..numbers.first().map_or(0, Vec::len) {
             let values: Vec<f64> = numbers.iter().filter_map(|of_point| of_point.get(k).copied()).collect();
-            let process = GaussianProcess::fit(points, &values)?;
-            self.variances.push(of_prediction(&process, &process.left_out(&values)?));
+            let process = GaussianProcess::fit(&points, &values)?;
+            left_out.push(process.left_out(&values)?);
             self.processes.push(process);
         }
+        self.add(&left_out);
         Ok(self)
+    }
+
+    /// What the points that are left out tell of the last processes: errors that these share, and none of the others.
+    fn add(&mut self, left_out: &[Vec<Predicted>]) {
+        let (before, all) = (self.left_out.len(), self.left_out.len() + left_out.len());
+        let processes = self.processes.iter().skip(before);
+        self.variances.extend(processes.zip(left_out).map(|(process, left)| of_prediction(process, left)));
+        let units: Vec<Vec<f64>> = left_out.iter().map(|left| in_units(left)).collect();
+        self.left_out.iter_mut().for_each(|row| row.resize(all, 0.0));
+        for one in &units {
+            let row = (0..before).map(|_| 0.0).chain(units.iter().map(|other| mean_product(one, other)));
+            self.left_out.push(row.collect());
+        }
+    }
+
+    /// Covariance of the errors of numbers that are predicted with these variances, the noise of their light apart:
+    /// as large as points that are left out show, and never less than the processes say. It goes from number to number
+    /// as the residuals do.
+    pub fn errors(&self, places: &[usize], variances: &[f64]) -> Mat<f64> {
+        let product = |k: usize, l: usize| self.left_out.get(k).and_then(|row| row.get(l)).copied().unwrap_or(0.0);
+        let deviation = |(&k, variance): (&usize, &f64)| {
+            let noise = self.processes.get(k).map_or(0.0, |process| process.noise().powi(2));
+            (product(k, k).max(1.0) * (variance + noise) - noise).sqrt()
+        };
+        let deviations: Vec<f64> = places.iter().zip(variances).map(deviation).collect();
+        let together =
+            |k: usize, l: usize| product(k, l) / (product(k, k) * product(l, l)).sqrt().max(f64::MIN_POSITIVE);
+        Mat::from_fn(places.len(), places.len(), |i, j| {
+            let shared = if i == j { 1.0 } else { together(places[i], places[j]) };
+            deviations[i] * deviations[j] * shared
+        })
     }
 
     /// Scores at a place, and the numbers beside them.
     pub fn at(&self, place: &[f64]) -> Vec<f64> {
-        self.processes.iter().map(|process| process.value(place)).collect()
+        let place = followed(&self.unknowns, place);
+        self.processes.iter().map(|process| process.value(&place)).collect()
     }
 
     /// Whether it has so many numbers, all of its unknowns.
     pub fn is_whole(&self, numbers: usize) -> bool {
         let is_whole = |process: &GaussianProcess| process.is_whole(self.unknowns.len());
-        [self.processes.len(), self.variances.len()] == [numbers; 2]
+        [self.processes.len(), self.variances.len(), self.left_out.len()] == [numbers; 3]
+            && self.left_out.iter().all(|row| row.len() == numbers && row.iter().all(|v| v.is_finite()))
             && self.processes.iter().all(is_whole)
             && self.variances.iter().all(|variance| *variance >= 0.0)
-            && self.unknowns.iter().all(|unknown| unknown.prior.is_whole())
+            && self.unknowns.iter().all(|unknown| unknown.is_whole(self.unknowns.len()))
     }
+}
+
+/// Residuals in units of the standard deviations that were said.
+fn in_units(left_out: &[Predicted]) -> Vec<f64> {
+    left_out.iter().map(|left| left.value / left.variance.sqrt()).collect()
+}
+
+fn mean_product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / a.len().max(1) as f64
 }
 
 /// Mean variance of a predicted score: what is left of that of a value left out, less its noise.

@@ -16,7 +16,7 @@ pub use crate::emulate::FitError;
 pub use learnt::{Learnt, Nuisance, Scored};
 pub use posterior::{Posterior, TAILS};
 pub use seen::{Seen, Told};
-pub use unknown::{Prior, Unknown};
+pub use unknown::{Followed, Prior, Unknown};
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]

@@ -1,8 +1,8 @@
 //! What is known of the unknowns after frames were seen.
 //!
 //! Scores s of frames and their prediction s(x) differ by the frames' noise and the error of the prediction, with the
-//! covariance C of both. Predictions err more in some places than a Gaussian process says, so the likelihood has the
-//! heavy tails of Student's t, and C is widened: docs/decisions/inference.md has what intervals hold with and without.
+//! covariance C of both, the latter by cross validation. Predictions err more in some places than in others, so the
+//! likelihood has the heavy tails of Student's t: docs/decisions/inference.md has what intervals hold with and without.
 //!
 //! ```text
 //! log L = -(nu + K)/2 log(1 + q / nu),   q = (s - s(x))' C^-1 (s - s(x))
@@ -12,10 +12,11 @@ use super::ensemble::Ensemble;
 use super::importance::Weighted;
 use super::learnt::Scored;
 use super::seen::Told;
+use super::unknown;
 use crate::camera::noise::PixelRandom;
 use crate::emulate::{Evaluator, FitError, GaussianProcess};
+use faer::Side;
 use faer::linalg::solvers::{DenseSolveCore as _, Llt};
-use faer::{Mat, Side};
 
 /// Draws among which the walkers start, walkers, and their steps until they are about where the density is.
 const DRAWS: usize = 4000;
@@ -29,10 +30,6 @@ const KEPT: usize = 4000;
 const EACH: usize = 5;
 /// Degrees of freedom of the scores' tails.
 pub const TAILS: f64 = 6.0;
-/// What the covariance is widened by, and where numbers beside the scores leave less open: what the scores' errors have
-/// in common then shows.
-const WIDENED: f64 = 1.8;
-const WIDENED_BESIDE: f64 = 2.5;
 
 /// What is known of the unknowns after frames were seen.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +74,8 @@ impl Scored {
         };
         // The variance of the prediction is that at the best place.
         let at = best(&ensemble);
-        let variances = followed.iter().map(|process| Ok(process.variances()?.at(&at)));
+        let place = unknown::followed(&self.unknowns, &at);
+        let variances = followed.iter().map(|process| Ok(process.variances()?.at(&place)));
         let variances = variances.collect::<Result<Vec<f64>, FitError>>()?;
         let density = self.density(told, &followed, &variances)?;
         let places = ensemble.walkers.into_iter().map(|(place, _)| place).collect();
@@ -92,9 +90,9 @@ impl Scored {
         let weighted = Weighted::of(cloud, seed ^ 0x3c3c, &density).ok_or(FitError::Degenerate)?;
         let top = weighted.top.clone().ok_or(FitError::Degenerate)?;
         let draws = weighted.drawn(KEPT, &mut random).iter().map(|place| self.values(place)).collect();
-        // The sum of squares whose tail has this density.
+        // The sum of squares whose tail has this likelihood.
         let tails = TAILS + told.scores.len() as f64;
-        let misfit = TAILS * (-2.0 * top.0 / tails).exp_m1();
+        let misfit = TAILS * (-2.0 * (top.0 - unknown::density(&self.unknowns, &top.1)) / tails).exp_m1();
         Ok(Posterior { draws, misfit, scores: self.at(&top.1), worth: weighted.worth })
     }
 
@@ -114,16 +112,16 @@ impl Scored {
         if followed.len() != k {
             return Err(FitError::Degenerate);
         }
-        let widened = if told.has_more { WIDENED_BESIDE } else { WIDENED };
-        let whole =
-            Mat::from_fn(k, k, |i, j| widened * (told.covariance[(i, j)] + if i == j { variances[i] } else { 0.0 }));
+        let whole = &told.covariance + self.errors(&told.places, variances);
         let inverse = Llt::new(whole.as_ref(), Side::Lower).map_err(|_| FitError::Degenerate)?.inverse();
         let followed: Vec<Evaluator> = followed.iter().map(|process| process.evaluator()).collect();
         Ok(move |place: &[f64]| {
             if self.unknowns.iter().zip(place).any(|(one, x)| !one.prior.holds(*x)) {
                 return f64::NEG_INFINITY;
             }
-            let off = told.scores.iter().zip(&followed).map(|(told, process)| told - process.value(place));
+            let before = unknown::density(&self.unknowns, place);
+            let place = unknown::followed(&self.unknowns, place);
+            let off = told.scores.iter().zip(&followed).map(|(told, process)| told - process.value(&place));
             let off: Vec<f64> = off.collect();
             let mut square = 0.0;
             for i in 0..k {
@@ -131,7 +129,7 @@ impl Scored {
                     square += off[i] * inverse[(i, j)] * off[j];
                 }
             }
-            -0.5 * (TAILS + k as f64) * (square / TAILS).ln_1p()
+            before - 0.5 * (TAILS + k as f64) * (square / TAILS).ln_1p()
         })
     }
 }

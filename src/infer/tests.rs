@@ -11,7 +11,7 @@ const LENGTH: usize = 600;
 const CASES: u32 = 40;
 
 fn unknowns() -> Vec<Unknown> {
-    let one = |name: &str, prior| Unknown { name: name.into(), prior };
+    let one = |name: &str, prior| Unknown { name: name.into(), prior, followed: Followed::Coordinate };
     vec![
         one("size", Prior::LogUniform { low: 4.0, high: 14.0 }),
         one("depth", Prior::Uniform { low: 2.0, high: 11.0 }),
@@ -175,6 +175,58 @@ fn noise_that_mirror_images_share_is_told() {
     assert!((0.7..1.4).contains(&plain) && mirrored < 1.4, "{plain} {mirrored}");
 }
 
+/// Directions lean to the noise of what was learnt: frames that were not have scores as large as is predicted all the
+/// same, and not as those of the former are.
+#[test]
+fn predicted_scores_are_those_of_other_frames() {
+    const NOISE: f64 = 0.15;
+    let mut random = PixelRandom::new(29, 0);
+    let points: Vec<Vec<f64>> = (0..80).map(|_| drawn(&mut random)).collect();
+    let vectors: Vec<Vec<f64>> = points.iter().map(|place| noisy(light(place), 0.0, NOISE, &mut random)).collect();
+    let learnt = Learnt::from(unknowns(), &points, &vectors, vec![1.0 / NOISE; LENGTH], (0..LENGTH).collect()).unwrap();
+    let weakest = learnt.own.len() - 1;
+    let (mut products, mut squares) = (0.0, 0.0);
+    for _ in 0..400 {
+        let place = drawn(&mut random);
+        let values = light(&place).into_iter().map(Some).collect();
+        let told = learnt.told(&Seen { values, variances: vec![0.0; LENGTH] }).unwrap();
+        let predicted = learnt.scored.at(&place)[weakest];
+        products += told.scores[weakest] * predicted;
+        squares += told.scores[weakest].powi(2);
+    }
+    // What is predicted over what is there, and over what there would be were the own noise left in.
+    let (slope, own) = (products / squares, learnt.own[weakest]);
+    let off = |slope: f64| (slope - 1.0).abs();
+    assert!(own > 0.1 && off(slope) < 0.5 * off(slope / (1.0 - own)), "{slope}, own {own}");
+}
+
+/// Errors of predictions are as large as where points are left out, and go together as these do.
+#[test]
+fn errors_are_those_of_points_left_out() {
+    let mut random = PixelRandom::new(37, 0);
+    let points: Vec<Vec<f64>> = (0..40).map(|_| vec![random.uniform()]).collect();
+    let numbers: Vec<Vec<f64>> = points
+        .iter()
+        .map(|x| {
+            let shared = 0.1 * random.normal();
+            vec![x[0] + shared + 0.05 * random.normal(), x[0] * x[0] + shared]
+        })
+        .collect();
+    let empty = Scored { unknowns: vec![], processes: vec![], variances: vec![], left_out: vec![] };
+    let mut scored = empty.and(&points, &numbers).unwrap();
+    // The residuals' correlation is 0.1 / sqrt(0.1^2 + 0.05^2) = 0.89, good to a few hundredths.
+    let together = scored.left_out[0][1] / (scored.left_out[0][0] * scored.left_out[1][1]).sqrt();
+    assert!((together - 0.89).abs() < 0.1 && scored.left_out[0][1] == scored.left_out[1][0], "{together}");
+    scored.left_out = vec![vec![2.0, 0.9], vec![0.9, 0.5]];
+    let noises = [0, 1].map(|k: usize| scored.processes[k].noise().powi(2));
+    let found = scored.errors(&[1, 0], &[0.01, 0.02]);
+    // Twice as large in all as the process says, its noise apart; never less than it says.
+    let wanted = [0.01, 2.0 * (0.02 + noises[0]) - noises[0]];
+    assert!((found[(0, 0)] / wanted[0] - 1.0).abs() < 1e-12 && (found[(1, 1)] / wanted[1] - 1.0).abs() < 1e-12);
+    assert!((found[(0, 1)] / (0.9 * (wanted[0] * wanted[1]).sqrt()) - 1.0).abs() < 1e-12);
+    assert_eq!(found[(0, 1)], found[(1, 0)]);
+}
+
 /// Wrong labels and intervals of a third of the width must show.
 #[test]
 fn faults_show_in_the_coverage() {
@@ -223,7 +275,7 @@ fn bounds_hold_what_the_lights_own_slopes_say() {
         let place = drawn(&mut random);
         let values = learnt.vector(&learnt.scored.at(&place)).into_iter().map(Some).collect();
         let told = learnt.told(&Seen { values, variances: vec![0.002f64.powi(2); LENGTH] }).unwrap();
-        let slopes: Vec<Slopes> = variances.iter().map(|one| one.slopes(&place)).collect();
+        let slopes: Vec<Slopes> = variances.iter().map(|one| learnt.scored.slopes(one, &place)).collect();
         let bounds = learnt.scored.bound(&slopes, &told.covariance, &[false, false, true]).unwrap();
         let held = |stretch: f64| {
             let held =

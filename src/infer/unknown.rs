@@ -1,5 +1,6 @@
 //! Unknowns: what is inferred, or integrated away, with what is known of it beforehand.
 
+use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 /// An unknown.
@@ -9,6 +10,77 @@ pub struct Unknown {
     pub name: String,
     /// What is known of it beforehand.
     pub prior: Prior,
+    /// By what frames are learnt to follow it.
+    pub followed: Followed,
+}
+
+/// By what numbers are learnt to follow an unknown: by that of which they are as even a function as can be.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Followed {
+    /// Its coordinate, in which it is sought.
+    Coordinate,
+    /// Itself.
+    Value,
+    /// Its logarithm.
+    Logarithm,
+    /// The modulus E of a sphere by (E - M) / (E + 3 M / 2), M that of the matrix around it: how much more than the
+    /// matrix it resists, both incompressible (Eshelby, Proc. R. Soc. A 241, 1957).
+    Contrast {
+        /// The unknown that is the matrix's modulus.
+        matrix: usize,
+    },
+}
+
+/// What numbers follow at a place.
+pub(super) fn followed(unknowns: &[Unknown], place: &[f64]) -> Vec<f64> {
+    let value = |k: usize| unknowns.get(k).zip(place.get(k)).map_or(f64::NAN, |(one, x)| one.prior.value(*x));
+    let one = |(k, (unknown, x)): (usize, (&Unknown, &f64))| match unknown.followed {
+        Followed::Coordinate => *x,
+        Followed::Value => value(k),
+        Followed::Logarithm => value(k).ln(),
+        Followed::Contrast { matrix } => {
+            let (own, matrix) = (value(k), value(matrix));
+            (own - matrix) / (own + 1.5 * matrix)
+        }
+    };
+    unknowns.iter().zip(place).enumerate().map(one).collect()
+}
+
+/// Logarithm of the density of a place beforehand: contrasts are as likely as others, whatever the coordinate of their
+/// modulus, so that stiff spheres, which all look alike, do not outweigh soft ones.
+pub(super) fn density(unknowns: &[Unknown], place: &[f64]) -> f64 {
+    let value = |k: usize| unknowns.get(k).zip(place.get(k)).map_or(f64::NAN, |(one, x)| one.prior.value(*x));
+    let one = |(k, unknown): (usize, &Unknown)| match unknown.followed {
+        Followed::Contrast { matrix } => {
+            let (own, matrix) = (value(k), value(matrix));
+            let along = if let Prior::LogUniform { .. } = unknown.prior { own } else { 1.0 };
+            (along * matrix / (own + 1.5 * matrix).powi(2)).ln()
+        }
+        _ => 0.0,
+    };
+    unknowns.iter().enumerate().map(one).sum()
+}
+
+/// Slopes of these along the coordinates: a row for each of them.
+pub(super) fn slopes(unknowns: &[Unknown], place: &[f64]) -> Mat<f64> {
+    let value = |k: usize| unknowns.get(k).zip(place.get(k)).map_or(f64::NAN, |(one, x)| one.prior.value(*x));
+    // Of a value along its coordinate.
+    let along = |k: usize| match unknowns.get(k).map(|one| one.prior) {
+        Some(Prior::LogUniform { .. }) => value(k),
+        _ => 1.0,
+    };
+    Mat::from_fn(unknowns.len(), unknowns.len(), |i, j| match unknowns[i].followed {
+        Followed::Contrast { matrix } if j == i || j == matrix => {
+            let (own, other) = (value(i), value(matrix));
+            let slope = 2.5 / (own + 1.5 * other).powi(2);
+            if j == i { slope * other * along(i) } else { -slope * own * along(matrix) }
+        }
+        _ if i != j => 0.0,
+        Followed::Value => along(i),
+        Followed::Logarithm => along(i) / value(i),
+        Followed::Coordinate | Followed::Contrast { .. } => 1.0,
+    })
 }
 
 /// What is known of an unknown beforehand; nothing lies outside its bounds.
@@ -29,6 +101,14 @@ pub enum Prior {
         /// The higher.
         high: f64,
     },
+}
+
+impl Unknown {
+    /// Whether it makes sense among so many.
+    pub fn is_whole(&self, unknowns: usize) -> bool {
+        let known = |matrix: usize| matrix < unknowns;
+        self.prior.is_whole() && !matches!(self.followed, Followed::Contrast { matrix } if !known(matrix))
+    }
 }
 
 impl Prior {
@@ -74,5 +154,46 @@ impl Prior {
     pub fn is_whole(&self) -> bool {
         let [low, high] = self.bounds();
         low.is_finite() && high.is_finite() && low < high
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_are_those_of_what_is_followed() {
+        let one = |prior, followed| Unknown { name: String::new(), prior, followed };
+        let log = Prior::LogUniform { low: 2.0, high: 200.0 };
+        let even = Prior::Uniform { low: 2.0, high: 12.0 };
+        let unknowns = [
+            one(log, Followed::Contrast { matrix: 4 }),
+            one(log, Followed::Value),
+            one(even, Followed::Logarithm),
+            one(even, Followed::Coordinate),
+            one(log, Followed::Logarithm),
+            one(even, Followed::Contrast { matrix: 0 }),
+        ];
+        let place = [3.0, 2.0, 5.0, 7.0, 1.5, 6.0];
+        let at = |j: usize, step: f64| {
+            let place: Vec<f64> = place.iter().enumerate().map(|(k, x)| if k == j { x + step } else { *x }).collect();
+            followed(&unknowns, &place)
+        };
+        let found = slopes(&unknowns, &place);
+        for j in 0..place.len() {
+            let (low, high) = (at(j, -1e-5), at(j, 1e-5));
+            for i in 0..place.len() {
+                let slope = (high[i] - low[i]) / 2e-5;
+                assert!((found[(i, j)] - slope).abs() < 1e-8 * (1.0 + slope.abs()), "{i} {j}: {slope}");
+            }
+        }
+        // Contrasts are even: their density is their slope, but for a factor.
+        let log = |place: &[f64]| density(&unknowns[..5], &place[..5]);
+        let other = [3.4, 2.0, 5.0, 7.0, 1.5, 6.0];
+        let slope = |place: &[f64]| slopes(&unknowns, place)[(0, 0)].ln();
+        assert!((log(&place) - log(&other) - (slope(&place) - slope(&other))).abs() < 1e-12);
+        // A sphere like its matrix is none; one that is rigid resists as much as can be.
+        let contrast = |own: f64, matrix: f64| followed(&unknowns, &[own.ln(), 2.0, 5.0, 7.0, matrix.ln(), 6.0])[0];
+        assert!(contrast(5.0, 5.0).abs() < 1e-12 && (contrast(1e9, 5.0) - 1.0).abs() < 1e-7);
     }
 }

@@ -37,6 +37,8 @@ pub struct Parts {
     /// Relative standard deviation of the force of each load, which is told beside its frame, with an error drawn anew
     /// for each exposure. Absent: forces are not told.
     pub force_error: Option<f64>,
+    /// Depths of the presses whose frames are told, mm, of those that the calibration knows. Absent: all.
+    pub depths_mm: Option<Vec<f64>>,
     /// The images are read by a figure of the TSIS paper, and by no model of the frames.
     pub paper: Option<Paper>,
 }
@@ -62,7 +64,13 @@ impl StudyFile {
             if !file.study.force_error.is_none_or(|error| error > 0.0 && error < 1.0) {
                 return Err(Invalid::new("study.force_error", "must be above 0 and below 1"));
             }
+            if file.study.depths_mm.as_ref().is_some_and(Vec::is_empty) {
+                return Err(Invalid::new("study.depths_mm", "must name a depth"));
+            }
             let Some(paper) = &file.study.paper else { return Ok(()) };
+            if file.study.depths_mm.is_some() {
+                return Err(Invalid::new("study.depths_mm", "has no meaning with study.paper: it reads the last load"));
+            }
             if file.study.force_error.is_some() {
                 return Err(Invalid::new(
                     "study.force_error",

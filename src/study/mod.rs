@@ -39,6 +39,14 @@ pub enum StudyError {
         /// Its file.
         file: PathBuf,
     },
+    /// A depth whose frames are to be told, of no press that the calibration knows.
+    #[error("study.depths_mm: {asked} mm is of no press that the calibration knows: {known} mm")]
+    Depth {
+        /// The depth, mm.
+        asked: f64,
+        /// Those that it knows.
+        known: String,
+    },
     /// The calibration that comes with the program is none.
     #[error("the calibration that comes with the program is damaged")]
     Damaged,

@@ -39,8 +39,9 @@ impl<'a> Reader<'a> {
 
 impl Parts {
     /// How each phantom is tried: `empty`, of phantoms without an inclusion; exposed twice where nothing is said.
-    pub fn how(&self, empty: bool) -> How {
+    pub fn how(&self, empty: bool) -> How<'_> {
         let Self { exposures, exposure_ms, force_error, .. } = *self;
-        How { empty, exposures: exposures.unwrap_or(2), exposure_ms, force_error }
+        let depths_mm = self.depths_mm.as_deref();
+        How { empty, exposures: exposures.unwrap_or(2), exposure_ms, force_error, depths_mm }
     }
 }

@@ -3,7 +3,7 @@
 use super::StudyError;
 use crate::calibrate::{
     CalibrateError, FORCE_ERROR, FrameModel, Frames, Inclusion, Inferred, InferredUnknown, Limits, PressFrame,
-    SAME_DEPTH, sweep_of,
+    same_depth, sweep_of,
 };
 use crate::camera::expose;
 use crate::camera::noise::PixelRandom;
@@ -60,7 +60,7 @@ pub struct Other {
 
 /// How phantoms are tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct How {
+pub struct How<'a> {
     /// An inclusion is of the phantom's own modulus, and none.
     pub empty: bool,
     /// Exposures of each phantom.
@@ -69,6 +69,8 @@ pub struct How {
     pub exposure_ms: Option<f64>,
     /// Relative error of the forces, told beside the frames; none: they are not.
     pub force_error: Option<f64>,
+    /// Depths of the presses whose frames are told, mm; none: all.
+    pub depths_mm: Option<&'a [f64]>,
 }
 
 /// Trials of all phantoms of a sweep's folder. `observe` is told how many phantoms are done, of how many, and stops the
@@ -79,16 +81,20 @@ pub struct How {
 pub fn trials(
     model: &FrameModel,
     folder: &Path,
-    how: How,
+    how: How<'_>,
     observe: &(dyn Fn(usize, usize) -> bool + Sync),
 ) -> Result<Option<Vec<Trial>>, StudyError> {
     let (sweep, records) = sweep_of(folder)?;
     let depths_mm = sweep.base.scene.press.as_ref().and_then(|press| press.depths_mm.clone()).unwrap_or_default();
-    let same = |(ours, theirs): (&f64, &f64)| (ours - theirs).abs() <= SAME_DEPTH * theirs;
+    let same = |(ours, theirs): (&f64, &f64)| same_depth(*ours, *theirs);
+    let known = model.depths_mm.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
     if depths_mm.len() != model.depths_mm.len() || !depths_mm.iter().zip(&model.depths_mm).all(same) {
-        let known = model.depths_mm.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
         let why = format!("must press to {known} mm, as the calibration does");
         return Err(CalibrateError::Unsuited { folder: folder.to_path_buf(), why }.into());
+    }
+    let unknown = |asked: &&f64| !model.depths_mm.iter().any(|known| same_depth(**asked, *known));
+    if let Some(asked) = how.depths_mm.iter().copied().flatten().find(unknown) {
+        return Err(StudyError::Depth { asked: *asked, known });
     }
     let kept: Vec<(usize, Record)> = sweep.kept(&records).collect();
     let ranges = model.unknowns().map(|(unknown, keys)| range(&sweep, &unknown.name, keys)).collect();
@@ -145,7 +151,7 @@ struct Phantoms<'a> {
     limits: Limits<'a>,
     sweep: &'a Sweep,
     records: &'a Records,
-    how: How,
+    how: How<'a>,
     /// Where the truth of each unknown is drawn from.
     ranges: Vec<Option<[f64; 2]>>,
 }
@@ -179,6 +185,9 @@ impl Phantoms<'_> {
             let frames = films.iter().map(frame).collect::<Result<Vec<_>, _>>()?;
             let frame = |(load, image)| {
                 let depth_mm = self.model.depths_mm.get(load).copied()?;
+                if self.how.depths_mm.is_some_and(|told| !told.iter().any(|told| same_depth(*told, depth_mm))) {
+                    return None;
+                }
                 Some(PressFrame { depth_mm, image, force_n: self.force_n(record, load, exposure) })
             };
             let frames = frames.iter().enumerate().filter_map(frame).collect();

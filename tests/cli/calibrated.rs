@@ -76,7 +76,7 @@ fn a_phantom_is_estimated_and_its_frames_say_the_same_from_anywhere() {
     // Depths that the calibration does not know, and too few of them.
     let other = json(&of_images(&["--depths-mm", "1.5,2.5,5"]));
     assert!(other["inferred"]["undefined"].is_string(), "{other}");
-    assert!(other["estimates"]["size_mm"]["undefined"].as_str().unwrap().contains("1, 2, 4 mm deep"), "{other}");
+    assert!(other["estimates"]["size_mm"]["undefined"].as_str().unwrap().contains("1, 2, 4, 5.5 mm deep"), "{other}");
     let odd = json(&of_images(&["--depths-mm", "1,2,3"]));
     assert!(odd["inferred"]["undefined"].as_str().unwrap().contains("of 3 mm is of no press"), "{odd}");
     let twice = json(&of_images(&["--depths-mm", "1,1.001,4"]));
@@ -143,7 +143,7 @@ fn small_sweep(place: &Place, name: &str, vary: &[(&str, &str)]) {
     let sweep = format!(
         "[sweep]\nscene = \"sensor.toml\"\ndesign = {{ kind = \"grid\" }}\n\
          images = {{ format = \"exr\", loads = \"all\" }}\n\
-         [[vary]]\nkey = \"render.photons\"\nfixed = 60000\n\
+         [[vary]]\nkey = \"render.photons\"\nfixed = 120000\n\
          [[vary]]\nkey = \"press.resolution\"\nfixed = 0.5\n{}\n[[measure]]\nkind = \"force\"\n",
         vary.collect::<String>()
     );
@@ -191,6 +191,22 @@ fn a_study_tells_true_against_estimated() {
     assert!(table.starts_with("sweep,row,exposure,true_size_mm,true_depth_mm,true_youngs_kpa,"), "{table}");
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert_eq!(page.contains("Estimated against true size"), size["known"] != 0);
+    // Frames of two loads tell less than those of all four.
+    place.write(
+        "some.toml",
+        &std::fs::read_to_string(place.path().join("study.toml"))
+            .unwrap()
+            .replace("\"phantoms.toml\"", "\"out/study/phantoms\"")
+            .replace("empty = \"empty.toml\"", "depths_mm = [1.0, 2.0]"),
+    );
+    assert_eq!(code(&tirtouch_in(place.path(), &["study", "some.toml", "--quiet"])), 0);
+    let some = std::fs::read_to_string(place.path().join("out/some/estimates.csv")).unwrap();
+    let bound = |table: &str| -> f64 {
+        let column = table.lines().next().unwrap().split(',').position(|name| name == "size_mm_bound").unwrap();
+        table.lines().nth(1).unwrap().split(',').nth(column).unwrap().parse().unwrap()
+    };
+    assert!(bound(&some) > 1.1 * bound(&table), "{some}\n{table}");
+
     // What is there is not computed again, and says the same.
     assert_eq!(json(&study(&[]))["quantities"], said["quantities"]);
     let output = study(&["--force"]);
@@ -215,6 +231,8 @@ fn a_study_tells_true_against_estimated() {
     broken("[study]\nphantoms = \"phantoms.toml\"\nexposures = 0\n", "study.exposures");
     broken("[study]\nphantoms = \"phantoms.toml\"\nexposure_ms = -1.0\n", "study.exposure_ms");
     broken("[study]\nphantoms = \"phantoms.toml\"\ncalibration = \"none.json\"\n", "none.json");
+    broken("[study]\nphantoms = \"phantoms.toml\"\ndepths_mm = []\n", "study.depths_mm");
+    broken("[study]\nphantoms = \"out/study/phantoms\"\ndepths_mm = [2.5]\n", "2.5 mm is of no press");
     broken("[study]\nphantom = \"phantoms.toml\"\n", "phantom");
     let of_paper = |figure: &str, more: &str, why: &str| {
         broken(&format!("[study]\nphantoms = \"phantoms.toml\"\n{more}\n[study.paper]\nfigure = \"{figure}\"\n"), why);
@@ -222,6 +240,7 @@ fn a_study_tells_true_against_estimated() {
     of_paper("stiffness", "", "study.calibration");
     of_paper("size", "exposures = 2", "study.exposures");
     of_paper("size", "empty = \"empty.toml\"", "study.empty");
+    of_paper("size", "depths_mm = [4.0]", "study.depths_mm");
     of_paper("girth", "", "study.paper.figure");
     of_paper("stiffness", "calibration = \"c.toml\"\nexposure_ms = 0.1", "study.exposure_ms");
     place.write("c.toml", "mm_per_pixel = 0.1\n");
@@ -234,9 +253,10 @@ fn a_study_tells_true_against_estimated() {
 fn a_study_of_the_paper_reads_its_figures_from_images_as_they_are() {
     let place = Place::new();
     small_sweep(&place, "phantoms.toml", &[(SIZE, "[8.0, 12.0]"), ("phantom.material.youngs_kpa", "[5.0, 5.1]")]);
-    // An exposure at which the phantom itself stays dark.
+    // An exposure at which the phantom itself stays dark, and no press deeper than the paper's.
     let scene = std::fs::read_to_string(place.path().join("sensor.toml")).unwrap();
-    place.write("sensor.toml", &scene.replace("exposure_ms = 0.7 ", "exposure_ms = 0.006 "));
+    let scene = scene.replace("exposure_ms = 0.7 ", "exposure_ms = 0.006 ").replace("4.0, 5.5]", "4.0]");
+    place.write("sensor.toml", &scene);
     place.write(
         "sensor-calibration.toml",
         "mm_per_pixel = 0.25\nbottom_area_mm2 = 900.0\nforce_n_from_sum_grey = [[0.0, 0.0], [1e6, 4.0]]\n",
@@ -302,7 +322,7 @@ fn bounds_of_a_protocol_fall_with_its_frames() {
         assert_eq!(code(&output), 0, "{output:?}");
         json(&output)["bounds"].as_array().unwrap().clone()
     };
-    let (one, many, dim) = (of(&[]), of(&["--frames", "8,8,8"]), of(&["--exposure-ms", "0.01"]));
+    let (one, many, dim) = (of(&[]), of(&["--frames", "8,8,8,8"]), of(&["--exposure-ms", "0.01"]));
     assert_eq!(one.len(), 27);
     let size = |row: &serde_json::Value, of: &str| row[of]["size"]["value"].as_f64().unwrap();
     for ((one, many), dim) in one.iter().zip(&many).zip(&dim) {
