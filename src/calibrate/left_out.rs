@@ -88,6 +88,12 @@ impl LeftOut {
         Ok(Some(Self { phantoms: scores.len(), refused: scores.len() - told.len(), unknowns }))
     }
 
+    /// Whether it is of so many unknowns, and makes no interval narrower.
+    pub(super) fn is_whole(&self, unknowns: usize) -> bool {
+        let widens = |one: &Held| one.widened.is_none_or(|widened| widened >= 1.0 && widened.is_finite());
+        self.unknowns.len() == unknowns && self.unknowns.iter().all(widens)
+    }
+
     /// What intervals of an unknown are widened by.
     pub(super) fn widened(&self, unknown: usize) -> f64 {
         self.unknowns.get(unknown).and_then(|one| one.widened).unwrap_or(1.0)

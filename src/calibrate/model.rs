@@ -257,7 +257,8 @@ impl FrameModel {
         let inside =
             model.elements.iter().all(|[load, block]| *load < model.depths_mm.len() && *block < blocks.total());
         let unknowns = model.learnt.scored.unknowns.len();
-        match fits && inside && [model.roles.len(), model.keys.len()] == [unknowns; 2] && n > 0 {
+        let left_out = model.left_out.as_ref().is_none_or(|left_out| left_out.is_whole(unknowns));
+        match fits && inside && left_out && [model.roles.len(), model.keys.len()] == [unknowns; 2] && n > 0 {
             true => Ok(model),
             false => Err(wrong("its parts do not fit together".into())),
         }

@@ -246,6 +246,7 @@ impl Learnt {
             && self.alike.len() == length
             && !self.directions.is_empty()
             && self.own.len() == self.directions.len()
+            && self.own.iter().all(|share| (0.0..=1.0).contains(share))
     }
 }
 

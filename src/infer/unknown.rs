@@ -32,9 +32,14 @@ pub enum Followed {
     },
 }
 
+/// The value of an unknown at a place; not a number where there is none.
+fn value(unknowns: &[Unknown], place: &[f64], k: usize) -> f64 {
+    unknowns.get(k).zip(place.get(k)).map_or(f64::NAN, |(one, x)| one.prior.value(*x))
+}
+
 /// What numbers follow at a place.
 pub(super) fn followed(unknowns: &[Unknown], place: &[f64]) -> Vec<f64> {
-    let value = |k: usize| unknowns.get(k).zip(place.get(k)).map_or(f64::NAN, |(one, x)| one.prior.value(*x));
+    let value = |k: usize| value(unknowns, place, k);
     let one = |(k, (unknown, x)): (usize, (&Unknown, &f64))| match unknown.followed {
         Followed::Coordinate => *x,
         Followed::Value => value(k),
@@ -50,7 +55,7 @@ pub(super) fn followed(unknowns: &[Unknown], place: &[f64]) -> Vec<f64> {
 /// Logarithm of the density of a place beforehand: contrasts are as likely as others, whatever the coordinate of their
 /// modulus, so that stiff spheres, which all look alike, do not outweigh soft ones.
 pub(super) fn density(unknowns: &[Unknown], place: &[f64]) -> f64 {
-    let value = |k: usize| unknowns.get(k).zip(place.get(k)).map_or(f64::NAN, |(one, x)| one.prior.value(*x));
+    let value = |k: usize| value(unknowns, place, k);
     let one = |(k, unknown): (usize, &Unknown)| match unknown.followed {
         Followed::Contrast { matrix } => {
             let (own, matrix) = (value(k), value(matrix));
@@ -64,7 +69,7 @@ pub(super) fn density(unknowns: &[Unknown], place: &[f64]) -> f64 {
 
 /// Slopes of these along the coordinates: a row for each of them.
 pub(super) fn slopes(unknowns: &[Unknown], place: &[f64]) -> Mat<f64> {
-    let value = |k: usize| unknowns.get(k).zip(place.get(k)).map_or(f64::NAN, |(one, x)| one.prior.value(*x));
+    let value = |k: usize| value(unknowns, place, k);
     // Of a value along its coordinate.
     let along = |k: usize| match unknowns.get(k).map(|one| one.prior) {
         Some(Prior::LogUniform { .. }) => value(k),

@@ -69,7 +69,10 @@ impl StudyFile {
             }
             let Some(paper) = &file.study.paper else { return Ok(()) };
             if file.study.depths_mm.is_some() {
-                return Err(Invalid::new("study.depths_mm", "has no meaning with study.paper: it reads the last load"));
+                return Err(Invalid::new(
+                    "study.depths_mm",
+                    "has no meaning with study.paper: it reads the last loads",
+                ));
             }
             if file.study.force_error.is_some() {
                 return Err(Invalid::new(

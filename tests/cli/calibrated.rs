@@ -126,13 +126,16 @@ fn a_calibration_of_another_sensor_or_of_nothing_is_said() {
         assert_eq!(code(&output), 2, "{output:?}");
         assert!(one_line(&output).contains("is no calibration"), "{output:?}");
     }
-    // Parts of other lengths than the rest.
-    let shorter = whole.replacen("\"elements\":[[0,", "\"elements\":[[0,0],[0,", 1);
-    assert_ne!(shorter, whole);
-    place.write("longer.json", &shorter);
-    let output =
-        tirtouch_in(place.path(), &["estimate", "image.txt", "--calibration", "longer.json", "--depths-mm", "1"]);
-    assert_eq!(code(&output), 2, "{output:?}");
+    // Parts of other lengths than the rest, and intervals that would become narrower.
+    for (part, other) in [("\"elements\":[[0,", "\"elements\":[[0,0],[0,"), ("\"widened\":1.0", "\"widened\":0.5")] {
+        let changed = whole.replacen(part, other, 1);
+        assert_ne!(changed, whole);
+        place.write("changed.json", &changed);
+        let output =
+            tirtouch_in(place.path(), &["estimate", "image.txt", "--calibration", "changed.json", "--depths-mm", "1"]);
+        assert_eq!(code(&output), 2, "{output:?}");
+        assert!(one_line(&output).contains("do not fit together"), "{output:?}");
+    }
 }
 
 /// A sweep of phantoms that keeps the radiance of all loads, coarse and noisy.
