@@ -2,8 +2,9 @@
 //!
 //! Frames are one long vector y of logarithms of light. Weighted by its noise, y = mean + sum_k s_k(x) phi_k + noise:
 //! few principal components hold what follows the unknowns x, each score a Gaussian process of x. What training images
-//! have beside that is the noise of their light; its covariance is kept by its own components, so that a seen frame's
-//! light may be as noisy, less or more, by one factor. Images may be their own mirror images, noise and all, where
+//! have beside that is the noise of their light; its covariance is kept, that of the scores by points that are left out
+//! and what lies beyond them by its own components, so that a seen frame's light may be as noisy, less or more, by one
+//! factor. Images may be their own mirror images, noise and all, where
 //! others are not; scores follow what mirror images have in common, and so the factor is told by that alone.
 
 use super::unknown::{Unknown, followed};
@@ -16,8 +17,9 @@ use std::collections::HashMap;
 /// Components that are tried, at most, and points for each.
 const MOST_TRIED: usize = 16;
 const POINTS_A_COMPONENT: usize = 6;
-/// A component counts where its score, left out, is predicted to this share of its variance.
-const LEAST_TOLD: f64 = 0.6;
+/// A component counts where its score, left out, is predicted but for this share of its variance: weaker ones make
+/// estimates no better, and intervals too short (docs/decisions/inference.md).
+const LEAST_TOLD: f64 = 0.2;
 /// Components of the noise.
 const NOISE_COMPONENTS: usize = 30;
 
@@ -52,10 +54,10 @@ pub struct Learnt {
     /// Shares of the scores of what they were learnt from that are each one's own noise: directions lean to it, and
     /// other frames have nothing of it.
     pub own: Vec<f64>,
-    /// Directions of the noise of light, times its standard deviation along each.
+    /// Directions of the noise of light beyond those, times its standard deviation along each.
     #[serde(serialize_with = "short_each")]
     pub noise: Vec<Vec<f64>>,
-    /// Variance of an element's noise beyond.
+    /// Variance of an element's noise beyond both.
     pub rest: f64,
     /// Which elements are one another's mirror images: those of one number.
     pub alike: Vec<usize>,
@@ -144,12 +146,8 @@ impl Learnt {
             weighted.iter().map(|vector| vector.iter().zip(&learnt.mean).map(|(v, mean)| v - mean).collect()).collect();
         let mut left_out = Vec::new();
         for tried in tried.into_iter().filter(Tried::follows) {
-            // Of a score remains its noise: the residual, left out, on the scale of the noise.
-            let units = in_units(&tried.left_out);
-            let scale = tried.process.noise() / mean_product(&units, &units).sqrt().max(f64::MIN_POSITIVE);
-            for ((residual, score), unit) in residuals.iter_mut().zip(&tried.scores).zip(units) {
-                let change = scale * unit - score;
-                residual.iter_mut().zip(&tried.direction).for_each(|(r, d)| *r += change * d);
+            for (residual, score) in residuals.iter_mut().zip(&tried.scores) {
+                residual.iter_mut().zip(&tried.direction).for_each(|(r, d)| *r -= score * d);
             }
             learnt.directions.push(tried.direction);
             learnt.own.push(tried.own);
@@ -168,7 +166,7 @@ impl Learnt {
         for residual in &mut residuals {
             residual.iter_mut().zip(&noise.mean).for_each(|(r, mean)| *r -= mean);
         }
-        let beyond = (length.saturating_sub(noise.variances.len())).max(1) as f64;
+        let beyond = length.saturating_sub(learnt.directions.len() + noise.variances.len()).max(1) as f64;
         let of = |vectors: &[Vec<f64>]| vectors.iter().flatten().map(|v| v * v).sum::<f64>();
         let rest = |all: &[Vec<f64>], held: &[Vec<f64>]| ((of(all) / (n as f64 - 1.0) - of(held)) / beyond).max(0.0);
         learnt.rest = rest(&residuals, &learnt.noise);
@@ -285,12 +283,26 @@ impl Scored {
     /// as large as points that are left out show, and never less than the processes say. It goes from number to number
     /// as the residuals do.
     pub fn errors(&self, places: &[usize], variances: &[f64]) -> Mat<f64> {
-        let product = |k: usize, l: usize| self.left_out.get(k).and_then(|row| row.get(l)).copied().unwrap_or(0.0);
+        let own = |k: usize| self.left_out.get(k).and_then(|row| row.get(k)).copied().unwrap_or(0.0);
         let deviation = |(&k, variance): (&usize, &f64)| {
             let noise = self.processes.get(k).map_or(0.0, |process| process.noise().powi(2));
-            (product(k, k).max(1.0) * (variance + noise) - noise).sqrt()
+            (own(k).max(1.0) * (variance + noise) - noise).sqrt()
         };
         let deviations: Vec<f64> = places.iter().zip(variances).map(deviation).collect();
+        self.covariance(places, &deviations)
+    }
+
+    /// Covariance of the noise of numbers that is that of what they were learnt from. What components tell of the noise
+    /// is not the same: they hold little of it, and take the rest for as strong in one direction as in another, where
+    /// light is noisier in those that are smooth.
+    pub fn noise(&self, places: &[usize]) -> Mat<f64> {
+        let deviation = |k: &usize| self.processes.get(*k).map_or(0.0, GaussianProcess::noise);
+        self.covariance(places, &places.iter().map(deviation).collect::<Vec<f64>>())
+    }
+
+    /// Covariance of numbers of these standard deviations that go together as residuals do where points are left out.
+    fn covariance(&self, places: &[usize], deviations: &[f64]) -> Mat<f64> {
+        let product = |k: usize, l: usize| self.left_out.get(k).and_then(|row| row.get(l)).copied().unwrap_or(0.0);
         let together =
             |k: usize, l: usize| product(k, l) / (product(k, k) * product(l, l)).sqrt().max(f64::MIN_POSITIVE);
         Mat::from_fn(places.len(), places.len(), |i, j| {

@@ -92,7 +92,7 @@ impl Scored {
         let draws = weighted.drawn(KEPT, &mut random).iter().map(|place| self.values(place)).collect();
         // The sum of squares whose tail has this likelihood.
         let tails = TAILS + told.scores.len() as f64;
-        let misfit = TAILS * (-2.0 * (top.0 - unknown::density(&self.unknowns, &top.1)) / tails).exp_m1();
+        let misfit = TAILS * (-2.0 * top.0 / tails).exp_m1();
         Ok(Posterior { draws, misfit, scores: self.at(&top.1), worth: weighted.worth })
     }
 
@@ -119,7 +119,6 @@ impl Scored {
             if self.unknowns.iter().zip(place).any(|(one, x)| !one.prior.holds(*x)) {
                 return f64::NEG_INFINITY;
             }
-            let before = unknown::density(&self.unknowns, place);
             let place = unknown::followed(&self.unknowns, place);
             let off = told.scores.iter().zip(&followed).map(|(told, process)| told - process.value(&place));
             let off: Vec<f64> = off.collect();
@@ -129,7 +128,7 @@ impl Scored {
                     square += off[i] * inverse[(i, j)] * off[j];
                 }
             }
-            before - 0.5 * (TAILS + k as f64) * (square / TAILS).ln_1p()
+            -0.5 * (TAILS + k as f64) * (square / TAILS).ln_1p()
         })
     }
 }

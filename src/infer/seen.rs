@@ -2,9 +2,11 @@
 //!
 //! ```text
 //! y - mean = Phi s + noise,   s = G (y - mean),   G = (Phi' Phi)^-1 Phi',   cov s = G C G'
-//! C = camera + factor (light of the training images) + nuisances
+//! C = camera + factor (Phi N Phi' + beyond) + nuisances
 //! ```
 //!
+//! N is the covariance of the scores' noise in the training images, `beyond` that of what lies across the scores: with
+//! all elements nothing of it is in them, as G Phi = 1.
 //! The light's noise is that of the training images times a factor: what lies beyond Phi and the nuisances tells it,
 //! and of that what mirror images have in common.
 //! Generalised least squares would have smaller errors if C were known; it is learnt from as many images as it has
@@ -94,12 +96,16 @@ impl Learnt {
             let one = &fit * of;
             &one * one.transpose()
         };
-        let own =
-            Mat::from_fn(directions.ncols(), n, |j, k| fit[(j, k)] * (camera[k] + noise_factor * self.rest).sqrt());
-        let covariance = &own * own.transpose() + through(&noise) * faer::Scale(noise_factor) + through(&nuisances);
+        let of_camera = Mat::from_fn(directions.ncols(), n, |j, k| fit[(j, k)] * camera[k].sqrt());
+        let places: Vec<usize> = (0..directions.ncols()).collect();
+        // What is as strong in all directions across the scores.
+        let rest = &fit * fit.transpose() - Mat::<f64>::identity(places.len(), places.len());
+        let of_light = self.scored.noise(&places) + through(&noise) + rest * faer::Scale(self.rest);
+        let covariance =
+            &of_camera * of_camera.transpose() + of_light * faer::Scale(noise_factor) + through(&nuisances);
         let scores = &fit * &values;
         let scores: Vec<f64> = (0..scores.nrows()).map(|k| scores[(k, 0)]).collect();
-        Some(Told { places: (0..scores.len()).collect(), scores, covariance, has_more: false, noise_factor })
+        Some(Told { places, scores, covariance, has_more: false, noise_factor })
     }
 
     /// How far each nuisance is off, in its standard deviations, where the scores are these.

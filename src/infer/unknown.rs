@@ -52,21 +52,6 @@ pub(super) fn followed(unknowns: &[Unknown], place: &[f64]) -> Vec<f64> {
     unknowns.iter().zip(place).enumerate().map(one).collect()
 }
 
-/// Logarithm of the density of a place beforehand: contrasts are as likely as others, whatever the coordinate of their
-/// modulus, so that stiff spheres, which all look alike, do not outweigh soft ones.
-pub(super) fn density(unknowns: &[Unknown], place: &[f64]) -> f64 {
-    let value = |k: usize| value(unknowns, place, k);
-    let one = |(k, unknown): (usize, &Unknown)| match unknown.followed {
-        Followed::Contrast { matrix } => {
-            let (own, matrix) = (value(k), value(matrix));
-            let along = if let Prior::LogUniform { .. } = unknown.prior { own } else { 1.0 };
-            (along * matrix / (own + 1.5 * matrix).powi(2)).ln()
-        }
-        _ => 0.0,
-    };
-    unknowns.iter().enumerate().map(one).sum()
-}
-
 /// Slopes of these along the coordinates: a row for each of them.
 pub(super) fn slopes(unknowns: &[Unknown], place: &[f64]) -> Mat<f64> {
     let value = |k: usize| value(unknowns, place, k);
@@ -192,11 +177,6 @@ mod tests {
                 assert!((found[(i, j)] - slope).abs() < 1e-8 * (1.0 + slope.abs()), "{i} {j}: {slope}");
             }
         }
-        // Contrasts are even: their density is their slope, but for a factor.
-        let log = |place: &[f64]| density(&unknowns[..5], &place[..5]);
-        let other = [3.4, 2.0, 5.0, 7.0, 1.5, 6.0];
-        let slope = |place: &[f64]| slopes(&unknowns, place)[(0, 0)].ln();
-        assert!((log(&place) - log(&other) - (slope(&place) - slope(&other))).abs() < 1e-12);
         // A sphere like its matrix is none; one that is rigid resists as much as can be.
         let contrast = |own: f64, matrix: f64| followed(&unknowns, &[own.ln(), 2.0, 5.0, 7.0, matrix.ln(), 6.0])[0];
         assert!(contrast(5.0, 5.0).abs() < 1e-12 && (contrast(1e9, 5.0) - 1.0).abs() < 1e-7);

@@ -8,7 +8,8 @@ const CALIBRATION: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/calibrati
 #[test]
 fn a_phantom_is_estimated_and_its_frames_say_the_same_from_anywhere() {
     let place = Place::new();
-    let flags = ["--photons", "500000", "--spp", "16", "--json", "--quiet"];
+    // Smoothed maps of fewer photons are off by more than their noise (docs/decisions/inference.md).
+    let flags = ["--photons", "1000000", "--spp", "16", "--json", "--quiet"];
     let run = |scene: &str, more: &[&str]| {
         let output = tirtouch_in(place.path(), &[&["run", scene][..], &flags, more].concat());
         assert_eq!(code(&output), 0, "{output:?}");
