@@ -4,8 +4,8 @@
 //! few principal components hold what follows the unknowns x, each score a Gaussian process of x. What training images
 //! have beside that is the noise of their light; its covariance is kept, that of the scores by points that are left out
 //! and what lies beyond them by its own components, so that a seen frame's light may be as noisy, less or more, by one
-//! factor. Images may be their own mirror images, noise and all, where
-//! others are not; scores follow what mirror images have in common, and so the factor is told by that alone.
+//! factor. Images may be their own mirror images, noise and all, where others are not; scores follow what mirror images
+//! have in common, and so the factor is told by that alone.
 
 use super::unknown::{Unknown, followed};
 use crate::emulate::{Components, FitError, GaussianProcess, Predicted};
