@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Looks at a data set of `tirtouch sweep run`: 24 of its phantoms with what is true of them.
 
-    tirtouch sweep run scenes/sweeps/phantoms.toml -o out/phantoms      # 1,024 phantoms: hours on 2 cores, 140 MB
+    tirtouch sweep run scenes/sweeps/phantoms.toml -o out/phantoms      # 1,024 phantoms: hours on 2 cores, 130 MB
     python python/examples/look_at_dataset.py out/phantoms sheet.png
 
 Needs matplotlib and Hugging Face's `datasets` (`pip install datasets matplotlib pillow`), which takes such a folder as
