@@ -187,7 +187,7 @@ fn demo_replaces_its_own_folder_and_no_other() {
     let out = place.path().join("out/demo");
     std::fs::create_dir_all(&out).unwrap();
     std::fs::write(out.join("mine.txt"), "mine").unwrap();
-    let flags = ["demo", "--spp", "1", "--photons", "200000", "--backend", "cpu"];
+    let flags = ["demo", "--spp", "1", "--photons", "50000", "--backend", "cpu"];
     let refused = tirtouch_in(place.path(), &flags);
     assert_eq!(code(&refused), 2, "{refused:?}");
     assert!(one_line(&refused).contains("mine.txt") && out.join("mine.txt").exists());

@@ -160,7 +160,7 @@ mod tests {
             &[rubs],
             &[rubs, rigid, "press.depths_mm=[1, 2]"],
             &[relaxing, "press.rate_mm_per_s=1"],
-            &[slides, "press.dimensions=three", "press.depths_mm=[0.5, 1]"],
+            &[slides, "press.dimensions=three", "press.depths_mm=[1]"],
         ] {
             let all: Vec<_> = sets.iter().chain(&["press.resolution=0.25"]).map(|set| set.parse().unwrap()).collect();
             let loaded = with(preset("phantom-size-8mm").unwrap(), Path::new("s.toml"), &all).unwrap();
