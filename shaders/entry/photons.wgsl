@@ -12,7 +12,7 @@ fn units(w: f32) -> i32 { return i32(round(w * UNIT)); }
 fn book(slot: u32, amount: i32) { tally[slot] += amount; }
 fn book_segment() { tally[BOOK_SEGMENTS] += 1; }
 
-// The photon's last booking.
+// The last booking of a photon, or of a part of it.
 fn close(end: u32) {
     let w = units(path.weight);
     if (end == END_SIDES) { book(BOOK_SIDES, w); }
@@ -55,12 +55,14 @@ fn photons(@builtin(global_invocation_id) id: vec3u) {
         }
         if (end == END_ASTRAY) { break; }
         loop {
-            if (end != GOES_ON) { break; }
+            if (end != GOES_ON) {
+                record_end(end);
+                close(end);
+                if (!go_on_mirrored()) { break; }
+            }
             end = walk();
             if (TOUCHED && end == END_TOUCH) { end = photon_touch(); }
         }
-        record_end(end);
-        close(end);
     }
     for (var b = 0u; b < BOOK_SLOTS; b += 1u) {
         if (tally[b] == 0) { continue; }

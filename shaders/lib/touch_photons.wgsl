@@ -2,6 +2,10 @@
 
 // Photons of fewer reflections that met outer faces alone leave nothing in the map: their light is found by unfolding.
 override UNFOLDED: u32 = 0u;
+override SPLIT: bool = false;
+
+// The mirrored part of a photon that waits, as it met the face; of no weight where none does.
+var<private> mirrored: Path;
 
 @group(0) @binding(6) var<storage, read_write> deposits: array<atomic<u32>>;
 
@@ -86,6 +90,36 @@ fn tissue_reentry(mu: f32) {
     if (SPLATTED) { leave_tissue(path.o.xy, path.weight, mu); }
 }
 
+// Both parts go on with their shares of the weight: what enters at once and by roulette, what is mirrored later.
+fn split(r: f32, mu: f32) -> u32 {
+    let before = path.weight;
+    let entered = (1.0 - r) * before;
+    let keep = entered / ENTERED;
+    path.weight = r * before;
+    let u = draw();
+    record(EVENT_TISSUE + select(0u, 1u, u >= keep), abs(u - keep));
+    if (u >= keep) {
+        book(BOOK_ROULETTE, units(before) - units(path.weight));
+        touch_reflect();
+        return GOES_ON;
+    }
+    mirrored = path;
+    path.weight = max(entered, ENTERED);
+    book(BOOK_ROULETTE, units(before) - units(mirrored.weight) - units(path.weight));
+    return tissue_walk(mu);
+}
+
+// Takes up the mirrored part, where one waits.
+fn go_on_mirrored() -> bool {
+    if (!SPLIT || mirrored.weight == 0.0) { return false; }
+    let draws = path.draws;
+    path = mirrored;
+    path.draws = draws;
+    mirrored.weight = 0.0;
+    touch_reflect();
+    return true;
+}
+
 fn photon_touch() -> u32 {
     let a = abs(dot(path.p, path.normal));
     let r = boundary(path.o.xy, a);
@@ -97,6 +131,9 @@ fn photon_touch() -> u32 {
         let shares = map_shares(r, mu);
         if (shares.x > 0.0) { deposit(at, path.weight * shares.x); }
         if (shares.y > 0.0) { deposit(at + 1u, path.weight * shares.y); }
+    }
+    if (SPLIT && mirrored.weight == 0.0 && path.weight > 2.0 * ENTERED && r.x > MIRRORED && r.x < 1.0) {
+        return split(r.x, mu);
     }
     let u = draw();
     record(EVENT_TISSUE + select(0u, 1u, u < r.x), abs(u - r.x));

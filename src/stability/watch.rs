@@ -178,7 +178,7 @@ impl Seen {
 
     /// Follows a photon from an LED.
     pub fn photon<T: Real>(&mut self, model: &Model<T>, seed: u32, k: u32) {
-        let mut path = Path::new(model, Limits::default());
+        let mut path = Path::new(model, Limits::whole());
         path.start_random(seed, k, 0);
         let end = path.launch();
         self.follow(&mut path, end);

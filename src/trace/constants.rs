@@ -44,6 +44,10 @@ shared! {
 
     /// Weight below which roulette is played for photons.
     LEAST_PHOTON: f64 = 0.1;
+    /// Least weight of what enters tissue of a photon that is split there; those of less than twice that are not.
+    ENTERED: f64 = 0.15;
+    /// Share that is mirrored of those that are split, at least.
+    MIRRORED: f64 = 0.5;
     /// For camera paths where nothing touches: they carry what outer faces mirror as a weight.
     LEAST_EYE: f64 = 0.01;
     /// For camera paths on their way to tissue.

@@ -6,7 +6,8 @@
 //! `scatter.rs` tells all others.
 //!
 //! A texel of a few photons is noisy; the light on the face is smooth. So each map is smoothed by a kernel whose bias
-//! is small against its noise, both measured on the maps of the replicates (docs/decisions/smoothing.md).
+//! is small against its noise, both measured on the maps of the replicates, as they are seen: once the light has spread
+//! in the tissue, which takes most of the noise and none of the bias (docs/decisions/smoothing.md).
 
 use super::cpu::photons::DEPOSIT_UNIT;
 use super::cpu::{Limits, Path};
@@ -27,6 +28,9 @@ const GROUPS: usize = 8;
 /// texels has the variance (w^2 - 1)/12, to which a bias of second order goes: the narrower's is then at most 0.52 of
 /// its own noise for all pairs, and at most 0.1 where the bias is of fourth order.
 const MOST_ADDED: f64 = 3.0;
+/// The same where light spreads in the tissue: its noise goes on from texel to texel, so smoothing gains little, and a
+/// block of them is as noisy as one. The bias is then at most 0.3 of the noise.
+const MOST_ADDED_TO_SPREAD: f64 = 1.0;
 /// Width of the boxes over which a texel's noise is measured.
 const ABOUT: usize = 13;
 /// Least noise that counts in a texel, as a share of the median of the noisy ones.
@@ -210,6 +214,35 @@ impl TouchedFace {
             .map(|flux| flux.iter().map(|flux| flux.max(0.0) / self.texel_area).collect())
     }
 
+    fn most_added(&self) -> f64 {
+        match self.after {
+            After::Read | After::HalfSpace(_) => MOST_ADDED,
+            After::Spread { .. } | After::SpreadHalfSpace(_) => MOST_ADDED_TO_SPREAD,
+        }
+    }
+
+    /// One or two maps of light, of their part, as they are seen where light spreads in the tissue: without what the
+    /// boundary mirrors back, which spreads further yet.
+    fn spread_out(&self, which: usize, maps: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let (spread, share) = match &self.after {
+            After::Read | After::HalfSpace(_) => return maps.to_vec(),
+            After::Spread { spread, share } => (spread, Some(share)),
+            After::SpreadHalfSpace(spread) => (spread, None),
+        };
+        let flux = |light: &Vec<f64>| -> Vec<f64> {
+            let mut flux = self.part.unfolded(light);
+            flux.iter_mut().zip(&self.area).for_each(|(v, area)| *v *= area);
+            if let Some(share) = share {
+                let of = |share: f64| if which == 0 { share } else { 1.0 - share };
+                flux.iter_mut().zip(share).for_each(|(v, share)| *v *= of(*share));
+            }
+            flux
+        };
+        let fluxes: Vec<Vec<f64>> = maps.iter().map(flux).collect();
+        let (Some(first), Some(last)) = (fluxes.first(), fluxes.last()) else { return Vec::new() };
+        spread.first_term([first, last]).iter().take(maps.len()).map(|light| self.part.folded(light)).collect()
+    }
+
     /// Chooses the smoothing from the maps of independent replicates.
     pub fn choose(&self, maps: &[ContactLight]) -> Smoothing {
         let groups = GROUPS.min(maps.len());
@@ -223,11 +256,12 @@ impl TouchedFace {
             }
             let group = |k: usize| mean(maps.iter().skip(k).step_by(groups).map(|map| map.light[which].as_slice()));
             let parts: Vec<Vec<f64>> = (0..groups).map(group).collect();
-            let (width, bias) = width(&parts, &smoothers);
+            let (width, bias) = width(&parts, &smoothers, self.most_added(), |pair| self.spread_out(which, pair));
             // What was found without photons is not smoothed, but is light too.
             let direct = mean(maps.iter().filter_map(|map| map.direct.as_ref()).map(|direct| direct[which].as_slice()));
             let mut light = mean(parts.iter().map(Vec::as_slice));
             light.iter_mut().zip(&direct).for_each(|(v, direct)| *v += direct);
+            let light = self.spread_out(which, &[light]).concat();
             let square: f64 = light.iter().zip(&self.part_area).map(|(v, area)| v * v * area).sum();
             (width, if bias > 0.0 { bias / square.sqrt() } else { 0.0 })
         };
@@ -264,7 +298,8 @@ impl<'a> Smoothers<'a> {
 }
 
 /// Width of the boxes that `parts`, independent estimates of the light e, bear, and its bias: the root of its square's
-/// integral over the face, 0 where that is below the error of its measure.
+/// integral over the face, 0 where that is below the error of its measure. Both are measured on what is `seen` of one or
+/// two parts.
 ///
 /// Bias and noise are compared texel by texel, each in units of the noise about it: a few strong photons, noisy where
 /// they land, excuse no bias elsewhere. (With one measure of noise for the face they did: on `press-hertz` 4 of 200
@@ -273,22 +308,30 @@ impl<'a> Smoothers<'a> {
 ///
 /// T_d e - T_v e is what a width d of about 2 v adds to the bias of v. Its square is measured by products of different
 /// parts, which have no noise in common, and is known to about the error of that measure. While both together are below
-/// [`MOST_ADDED`] times the variance of T_v, v is taken: its bias is 3 to 35 times smaller than what d adds. Nothing is
+/// `most_added` times the variance of T_v, v is taken: its bias is 3 to 35 times smaller than what d adds. Nothing is
 /// extrapolated below v: where d is so wide that its bias no longer grows as a power, that would promise too much.
-fn width(parts: &[Vec<f64>], smoothers: &Smoothers) -> (usize, f64) {
+fn width(
+    parts: &[Vec<f64>],
+    smoothers: &Smoothers,
+    most_added: f64,
+    seen: impl Fn(&[Vec<f64>]) -> Vec<Vec<f64>> + Sync,
+) -> (usize, f64) {
     let (area, mut chosen) = (smoothers.area, (1, 0.0));
-    let Some(weights) = over_local_noise(parts, smoothers) else {
+    let smoothed =
+        |width| -> Vec<Vec<f64>> { smoothers.smooth(parts, width).par_chunks(2).flat_map_iter(&seen).collect() };
+    let unsmoothed = smoothed(1);
+    let Some(weights) = over_local_noise(&unsmoothed, smoothers) else {
         return chosen;
     };
-    let mut known: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
+    let mut known = HashMap::from([(1, unsmoothed)]);
     for [narrow, wide] in WIDTHS {
         for width in [narrow, wide] {
-            known.entry(width).or_insert_with(|| smoothers.smooth(parts, width));
+            known.entry(width).or_insert_with(|| smoothed(width));
         }
         let pairs = known[&wide].iter().zip(&known[&narrow]);
         let added: Vec<Vec<f64>> = pairs.map(|(w, n)| w.iter().zip(n).map(|(w, n)| w - n).collect()).collect();
         let (weighted, noise) = (Square::of(&added, &weights), Square::of(&known[&narrow], &weights).noise);
-        if weighted.common.max(0.0) + weighted.error > MOST_ADDED * noise {
+        if weighted.common.max(0.0) + weighted.error > most_added * noise {
             break;
         }
         let added = Square::of(&added, area);
@@ -409,6 +452,11 @@ mod tests {
             .collect()
     }
 
+    /// Width and bias where light is seen as it came in.
+    fn chosen(parts: &[Vec<f64>], area: &[f64]) -> (usize, f64) {
+        width(parts, &Smoothers::new(area, COLUMNS, WHOLE), MOST_ADDED, <[_]>::to_vec)
+    }
+
     fn error(found: &[f64], light: impl Fn(f64, f64) -> f64) -> f64 {
         let at = |k: usize| light((k % COLUMNS) as f64 / COLUMNS as f64, (k / COLUMNS) as f64 / COLUMNS as f64);
         let sum: f64 = found.iter().enumerate().map(|(k, v)| (v / at(k) - 1.0).powi(2)).sum();
@@ -420,7 +468,7 @@ mod tests {
         let area = vec![1.0; COLUMNS * COLUMNS];
         let bump = |x: f64, y: f64| 2.0 + (3.0 * x).sin() * (2.0 * y).cos();
         let noisy = parts(bump, 20.0);
-        let (wide, bias) = width(&noisy, &Smoothers::new(&area, COLUMNS, WHOLE));
+        let (wide, bias) = chosen(&noisy, &area);
         let raw = error(&noisy[0], bump);
         let smooth = error(&Smoother::new(&area, COLUMNS, WHOLE, wide).smooth(&noisy[0]), bump);
         let light = COLUMNS as f64 * 2.0;
@@ -428,13 +476,9 @@ mod tests {
         assert!(smooth < 0.11 * raw, "{smooth} {raw}");
         // The same noise about an edge: the kernel stays at the texel where photons abound.
         let edge = |x: f64, _: f64| if x < 0.5 { 1.0 } else { 2.0 };
-        assert_eq!(width(&parts(edge, 2e4), &Smoothers::new(&area, COLUMNS, WHOLE)).0, 1);
+        assert_eq!(chosen(&parts(edge, 2e4), &area).0, 1);
         let nothing = vec![0.0; COLUMNS * COLUMNS];
-        assert_eq!(
-            width(&parts(bump, 20.0), &Smoothers::new(&nothing, COLUMNS, WHOLE)),
-            (1, 0.0),
-            "a face that nothing touches"
-        );
+        assert_eq!(chosen(&parts(bump, 20.0), &nothing), (1, 0.0), "a face that nothing touches");
     }
 
     #[test]
@@ -442,18 +486,19 @@ mod tests {
         let area = vec![1.0; COLUMNS * COLUMNS];
         let bump = |x: f64, y: f64| 1.0 + 4.0 * (-((x - 0.5).powi(2) + (y - 0.5).powi(2)) / 0.02).exp();
         let sound = parts(bump, 3.0);
-        let (expected, _) = width(&sound, &Smoothers::new(&area, COLUMNS, WHOLE));
+        let (expected, _) = chosen(&sound, &area);
         assert!(expected > 1, "nothing is smoothed");
         for strong in [30.0, 300.0] {
             let mut struck = sound.clone();
             // In one of the parts, on 5 x 5 texels. With one measure of noise for the face: 9 and 13 texels in place of
             // 3.
             (0..25).for_each(|k| struck[3][(k / 5 + 2) * COLUMNS + k % 5 + 2] += strong);
-            assert_eq!(width(&struck, &Smoothers::new(&area, COLUMNS, WHOLE)).0, expected, "{strong}");
+            assert_eq!(chosen(&struck, &area).0, expected, "{strong}");
         }
     }
 
-    /// What no spread of replicates shows: the chosen width's true bias, against the noise that it leaves.
+    /// What no spread of replicates shows: the chosen width's true bias, against the noise that it leaves, of light as
+    /// it came in and of light that has spread, which bears less.
     #[test]
     fn the_chosen_bias_stays_below_half_of_the_noise() {
         let disc = |k: usize| ((k % COLUMNS) as f64 - 31.5).hypot((k / COLUMNS) as f64 - 31.5) < 31.0;
@@ -466,19 +511,28 @@ mod tests {
         let exact: Vec<f64> = (0..COLUMNS * COLUMNS)
             .map(|k| light((k % COLUMNS) as f64 / COLUMNS as f64, (k / COLUMNS) as f64 / COLUMNS as f64))
             .collect();
+        let about = Smoother::new(&area, COLUMNS, WHOLE, 9);
+        let spread = |parts: &[Vec<f64>]| parts.iter().map(|part| about.mean(part)).collect();
+        type Seen<'a> = &'a (dyn Fn(&[Vec<f64>]) -> Vec<Vec<f64>> + Sync);
+        let mut more_added = 0.0f64;
         for photons in [3.0, 10.0, 30.0] {
             let parts = parts(light, photons);
-            let (wide, _) = width(&parts, &Smoothers::new(&area, COLUMNS, WHOLE));
-            let bias = |width| {
-                let smooth = Smoother::new(&area, COLUMNS, WHOLE, width).smooth(&exact);
-                let square = |k: usize| area[k] * (smooth[k] - exact[k]).powi(2);
-                (0..area.len()).map(square).sum::<f64>().sqrt()
+            // Bias over noise of a width.
+            let share = |width: usize, seen: Seen| {
+                let smoother = Smoother::new(&area, COLUMNS, WHOLE, width);
+                let pair = seen(&[smoother.smooth(&exact), exact.clone()]);
+                let square = |k: usize| area[k] * (pair[0][k] - pair[1][k]).powi(2);
+                let smoothed = seen(&parts.iter().map(|part| smoother.smooth(part)).collect::<Vec<_>>());
+                (0..area.len()).map(square).sum::<f64>().sqrt() / Square::of(&smoothed, &area).noise.sqrt()
             };
-            let smoother = Smoother::new(&area, COLUMNS, WHOLE, wide);
-            let smoothed: Vec<Vec<f64>> = parts.iter().map(|part| smoother.smooth(part)).collect();
-            let noise = Square::of(&smoothed, &area).noise.sqrt();
-            assert!(bias(wide) < 0.5 * noise, "{wide}: {} of {noise}", bias(wide));
-            assert!(bias(39) > 0.5 * noise, "the light has nothing that a wide kernel would lose");
+            let smoothers = Smoothers::new(&area, COLUMNS, WHOLE);
+            for (most_added, seen) in [(MOST_ADDED, &<[_]>::to_vec as Seen), (MOST_ADDED_TO_SPREAD, &spread)] {
+                let wide = width(&parts, &smoothers, most_added, seen).0;
+                assert!(share(wide, seen) < 0.5, "{wide}: {}", share(wide, seen));
+                assert!(share(39, seen) > 0.5, "the light has nothing that a wide kernel would lose");
+            }
+            more_added = more_added.max(share(width(&parts, &smoothers, MOST_ADDED, spread).0, &spread));
         }
+        assert!(more_added > 0.5, "{more_added}");
     }
 }

@@ -55,7 +55,7 @@ pub fn sample_rays(model: &Model<f64>, count: usize, seed: u32) -> Vec<Ray> {
         if rays.len() >= count {
             break;
         }
-        let mut path = Path::new(model, Limits::default());
+        let mut path = Path::new(model, Limits::whole());
         path.trail = Some(Vec::new());
         path.start_random(seed, sample, 0);
         let launched = path.launch();

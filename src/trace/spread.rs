@@ -73,16 +73,8 @@ impl Spread {
     /// Exitance of two maps at once, from the flux that enters: the kernel is even, so one may travel as the imaginary
     /// part.
     pub fn exitance(&self, entering: [&[f64]; 2]) -> [Vec<f64>; 2] {
-        let mut total = vec![Complex::new(0.0, 0.0); self.size[0] * self.size[1]];
-        let largest = entering.iter().copied().flatten().fold(0.0f64, |most, v| most.max(v.abs()));
-        let unit = if largest > 0.0 { largest } else { 1.0 };
-        let mut source = total.clone();
-        let rows = entering[0].chunks(self.columns).zip(entering[1].chunks(self.columns));
-        for (row, (re, im)) in source.chunks_mut(self.size[0]).zip(rows) {
-            for (source, (re, im)) in row.iter_mut().zip(re.iter().zip(im)) {
-                *source = Complex::new((re / unit) as f32, (im / unit) as f32);
-            }
-        }
+        let (mut source, unit) = self.padded(entering);
+        let mut total = vec![Complex::new(0.0, 0.0); source.len()];
         let mut before = f64::sqrt(source.iter().map(|v| f64::from(v.norm_sqr())).sum());
         for _ in 0..TERMS {
             source = self.convolved(source);
@@ -101,8 +93,33 @@ impl Spread {
             }
             before = last;
         }
+        self.cut(&total, unit)
+    }
+
+    /// The first term of it, of two maps that have nothing to do with each other.
+    pub fn first_term(&self, entering: [&[f64]; 2]) -> [Vec<f64>; 2] {
+        let (source, unit) = self.padded(entering);
+        self.cut(&self.convolved(source), unit)
+    }
+
+    /// Two maps on the padded grid, over their largest value.
+    fn padded(&self, entering: [&[f64]; 2]) -> (Vec<Complex<f32>>, f64) {
+        let largest = entering.iter().copied().flatten().fold(0.0f64, |most, v| most.max(v.abs()));
+        let unit = if largest > 0.0 { largest } else { 1.0 };
+        let mut grid = vec![Complex::new(0.0, 0.0); self.size[0] * self.size[1]];
+        let rows = entering[0].chunks(self.columns).zip(entering[1].chunks(self.columns));
+        for (row, (re, im)) in grid.chunks_mut(self.size[0]).zip(rows) {
+            for (cell, (re, im)) in row.iter_mut().zip(re.iter().zip(im)) {
+                *cell = Complex::new((re / unit) as f32, (im / unit) as f32);
+            }
+        }
+        (grid, unit)
+    }
+
+    /// The maps' part of a padded grid.
+    fn cut(&self, grid: &[Complex<f32>], unit: f64) -> [Vec<f64>; 2] {
         let light = |part: fn(&Complex<f32>) -> f32| {
-            let rows = total.chunks(self.size[0]).take(self.rows);
+            let rows = grid.chunks(self.size[0]).take(self.rows);
             rows.flat_map(|row| row[..self.columns].iter().map(|v| unit * f64::from(part(v)))).collect()
         };
         [light(|v| v.re), light(|v| v.im)]

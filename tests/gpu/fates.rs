@@ -7,7 +7,9 @@ use tirtouch::trace::backend::CpuTracer;
 use tirtouch::trace::batch::{Batch, Totals, Work};
 use tirtouch::trace::cpu::{Limits, book};
 use tirtouch::trace::gpu::GpuTracer;
+use tirtouch::trace::gpu::assemble::{Entry, source};
 use tirtouch::trace::model::Real;
+use tirtouch::trace::modes::PhotonMode;
 use tirtouch::trace::render::accepted;
 use tirtouch::trace::{Backend, Integrator, Model, TraceError};
 
@@ -91,19 +93,52 @@ fn no_camera_path_of_an_accepted_image_is_lost_or_cut_off() {
 /// each interaction makes what is left thousands of times heavier.
 #[test]
 fn photons_that_walls_hold_for_long_stay_as_heavy_as_they_were() {
-    let mut case = Case::named("pressed");
-    // Tissue that sends back by Lambert's law weighs nothing.
-    let tissue = &mut case.loaded.scene.touch.contact.as_mut().unwrap().tissue;
-    *tissue =
-        Tissue { reduced_scattering_per_mm: None, absorption_per_mm: None, diffuse_reflectance: Some(0.8), ..*tissue };
-    let model = case.model(PIXELS);
+    let model = pressed_on_lambertian_tissue();
     let played = |limits: Limits| {
         let mut backend = Backend::Cpu32(twin(&model, limits));
         let mut batch = Batch::new(&model, &mut backend, Integrator::Map, 1);
         batch.ledger(1 << 19, &mut |_| true).unwrap();
         batch.totals.tally[book::ROULETTE]
     };
-    let early = Limits { roulette_start: 256, ..Limits::default() };
-    let found = [early, Limits::default()].map(played);
+    // What splits photons is booked as roulette's too.
+    let early = Limits { roulette_start: 256, ..Limits::whole() };
+    let found = [early, Limits::whole()].map(played);
     assert!(found[0] != 0 && found[1] == 0, "{found:?}");
+}
+
+/// Tissue that sends back by Lambert's law weighs nothing: what is booked as roulette's is roulette's and splitting's.
+fn pressed_on_lambertian_tissue() -> Model<f64> {
+    let mut case = Case::named("pressed");
+    let tissue = &mut case.loaded.scene.touch.contact.as_mut().unwrap().tissue;
+    *tissue =
+        Tissue { reduced_scattering_per_mm: None, absorption_per_mm: None, diffuse_reflectance: Some(0.8), ..*tissue };
+    case.model(PIXELS)
+}
+
+/// What splitting takes is nothing on average. It is something where a part keeps the weight of the whole.
+#[test]
+fn parts_of_a_photon_weigh_together_what_it_did() {
+    let model = pressed_on_lambertian_tissue();
+    // Mean over its standard error, of groups of photons.
+    let taken = |right: &'static str, wrong: &'static str| {
+        assert!(source(&model.cast(), Entry::Photons(PhotonMode::Ledger), false).0.contains(right));
+        let edit = move |_, text: String| text.replace(right, wrong);
+        let mut backend: Backend = GpuTracer::with_source(require_gpu()?, &model, Box::new(edit)).unwrap().into();
+        let group = |seed| {
+            let mut batch = Batch::new(&model, &mut backend, Integrator::Map, seed);
+            batch.ledger(1 << 13, &mut |_| true).unwrap();
+            batch.totals.tally[book::ROULETTE] as f64
+        };
+        let groups: Vec<f64> = (0..32).map(group).collect();
+        let (n, mean) = (groups.len() as f64, groups.iter().sum::<f64>() / groups.len() as f64);
+        let variance = groups.iter().map(|taken| (taken - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        Some(mean / (variance / n).sqrt())
+    };
+    let (mirrored, entered) = ("path.weight = r * before;", "path.weight = max(entered, ENTERED);");
+    let Some(sound) = taken(mirrored, mirrored) else { return };
+    assert!(sound.abs() < 4.0, "{sound}");
+    for part in [mirrored, entered] {
+        let faulty = taken(part, "path.weight = before;").unwrap();
+        assert!(faulty.abs() > 20.0, "{part} {faulty}");
+    }
 }

@@ -58,7 +58,7 @@ fn kinds(model: &Model<f64>) -> Vec<Kind> {
 /// A history as the GPU keeps it. Events after the end (the LED that a camera path found) follow uncounted.
 fn row(events: &[Event]) -> [u32; WORDS] {
     let mut row = [0; WORDS];
-    row[0] = events.iter().position(|e| e.code >= EVENT_END).map_or(0, |end| end as u32 + 1);
+    row[0] = events.iter().rposition(|e| e.code >= EVENT_END).map_or(0, |end| end as u32 + 1);
     row[1..].iter_mut().zip(events).for_each(|(word, event)| *word = event.code);
     row
 }

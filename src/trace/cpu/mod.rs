@@ -42,11 +42,18 @@ pub struct Limits {
     pub event_cap: u32,
     /// Steps of the search on a height field after which a path is lost.
     pub search_steps: u32,
+    /// Whether photons are split at tissue.
+    pub split: bool,
 }
 
 impl Limits {
-    /// Neither roulette nor a cap.
-    pub const ENDLESS: Self = Self { roulette_start: u32::MAX, event_cap: u32::MAX, search_steps: 1024 };
+    /// Neither roulette nor a cap, and no photon is split.
+    pub const ENDLESS: Self = Self { roulette_start: u32::MAX, event_cap: u32::MAX, search_steps: 1024, split: false };
+
+    /// As by default, but no photon is split: one way from its start to its end.
+    pub fn whole() -> Self {
+        Self { split: false, ..Self::default() }
+    }
 }
 
 impl Default for Limits {
@@ -54,7 +61,7 @@ impl Default for Limits {
         // Paths that walls and faces hold for long come out of it: of 144 among 8 million photons of a pressed phantom
         // that were still on their way after 256 interactions, 2 were after 2,048. Roulette before that made a few of
         // them heavier than all others of a texel (docs/decisions/roulette.md).
-        Self { roulette_start: 4096, event_cap: 65_536, search_steps: 1024 }
+        Self { roulette_start: 4096, event_cap: 65_536, search_steps: 1024, split: true }
     }
 }
 
@@ -94,6 +101,8 @@ pub struct Path<'m, T: Real> {
     pub turns: u32,
     /// Normal of the touched face at [`End::Touch`].
     pub normal: V3<T>,
+    /// The mirrored part of a photon, as it met the face, where one waits.
+    pub mirrored: Option<photons::Part<T>>,
     /// A surface search did not converge.
     pub lost: bool,
     /// Slope of the height field at the last hit.
@@ -131,6 +140,7 @@ impl<'m, T: Real> Path<'m, T> {
             wall: Wall::PlusX,
             turns: 0,
             normal: V3::up(),
+            mirrored: None,
             lost: false,
             field_slope: [T::zero(); 2],
             mesh_normals: [V3::up(); 2],

@@ -1,8 +1,8 @@
 //! Twin of `photons.wgsl`: photons from the LEDs, the ledger, the irradiance map and the splat.
 
 use super::fresnel::fresnel;
-use super::{End, Limits, Path, book, units};
-use crate::trace::constants::{EVENT_END, EVENT_TISSUE, SPLAT_STEPS};
+use super::{End, Limits, Path, V3, book, units};
+use crate::trace::constants::{ENTERED, EVENT_END, EVENT_TISSUE, MIRRORED, SPLAT_STEPS};
 use crate::trace::model::{Model, Real};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -15,6 +15,18 @@ pub struct Deposits<'a> {
     pub cells: &'a [AtomicU64],
     /// Splat into pixels; otherwise the irradiance map.
     pub splatted: bool,
+}
+
+/// Part of a photon that waits while another is on its way.
+#[derive(Debug, Clone, Copy)]
+pub struct Part<T> {
+    o: V3<T>,
+    p: V3<T>,
+    normal: V3<T>,
+    layer: usize,
+    weight: T,
+    bounces: u32,
+    turns: u32,
 }
 
 /// Units of one deposit.
@@ -53,12 +65,22 @@ impl<T: Real> Path<'_, T> {
             self.record(EVENT_END + End::Astray as u32, T::one());
             return;
         }
-        while end == End::GoesOn {
+        loop {
+            if end != End::GoesOn {
+                self.close(end);
+                if !self.go_on_mirrored() {
+                    return;
+                }
+            }
             end = self.walk();
             if end == End::Touch {
                 end = self.photon_touch();
             }
         }
+    }
+
+    /// The last booking of a photon, or of a part of it.
+    fn close(&mut self, end: End) {
         self.record(EVENT_END + end as u32, T::one());
         let slot = match end {
             End::Sides => book::SIDES,
@@ -194,6 +216,38 @@ impl<T: Real> Path<'_, T> {
         }
     }
 
+    /// Both parts go on with their shares of the weight: what enters at once and by roulette, what is mirrored later.
+    fn split(&mut self, r: T, mu: T) -> End {
+        let (before, least) = (self.weight, T::of(ENTERED));
+        let entered = (T::one() - r) * before;
+        let keep = entered / least;
+        self.weight = r * before;
+        let u = self.draw();
+        self.record(EVENT_TISSUE + u32::from(u >= keep), (u - keep).abs());
+        self.book(book::ROULETTE, before, self.weight);
+        if u >= keep {
+            self.touch_reflect();
+            return End::GoesOn;
+        }
+        let Self { o, p, normal, layer, weight, bounces, turns, .. } = *self;
+        self.mirrored = Some(Part { o, p, normal, layer, weight, bounces, turns });
+        self.weight = entered.max(least);
+        self.book(book::ROULETTE, T::zero(), self.weight);
+        self.tissue_walk(mu)
+    }
+
+    /// Takes up the mirrored part, where one waits.
+    fn go_on_mirrored(&mut self) -> bool {
+        let Some(part) = self.mirrored.take() else {
+            return false;
+        };
+        let Part { o, p, normal, layer, weight, bounces, turns } = part;
+        (self.o, self.p, self.normal) = (o, p, normal);
+        (self.layer, self.weight, self.bounces, self.turns) = (layer, weight, bounces, turns);
+        self.touch_reflect();
+        true
+    }
+
     /// At tissue: leaves light behind, and says how the photon goes on.
     pub fn photon_touch(&mut self) -> End {
         let Some(tissue) = self.tissue() else {
@@ -214,6 +268,10 @@ impl<T: Real> Path<'_, T> {
                 self.deposit(at, self.weight * shares[0]);
                 self.deposit(at + 1, self.weight * shares[1]);
             }
+        }
+        let heavy = self.weight > T::of(2.0 * ENTERED) && r.mixed > T::of(MIRRORED) && r.mixed < one;
+        if self.limits.split && self.mirrored.is_none() && heavy {
+            return self.split(r.mixed, mu);
         }
         let u = self.draw();
         self.record(EVENT_TISSUE + u32::from(u < r.mixed), (u - r.mixed).abs());

@@ -189,6 +189,9 @@ pub fn constants(kernel: &Kernel, entry: Entry, limits: Limits) -> Vec<(&'static
     ];
     if kernel.touched {
         constants.extend([("SHARE_GRID", kernel.share_grid), ("TISSUE_DISC", kernel.tissue_disc)]);
+        if matches!(entry, Entry::Photons(_)) {
+            constants.push(("SPLIT", limits.split));
+        }
     }
     match entry {
         Entry::Camera(mode) => {
